@@ -1,0 +1,44 @@
+#pragma once
+/// What a haptic device is to the servo, whoever made it.
+
+#include <array>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/haptics/messages.h"
+
+namespace palpate {
+
+/// Limits and facts of a device. Frame D: +x right, +y up, +z towards the user, metres.
+struct DeviceInfo {
+  std::string name;   ///< "Simulated Touch X".
+  std::string model;  ///< "touch", "touch-x", "premium-6dof", ...
+  bool simulated = false;
+  bool feelsTorque = false;          ///< Else torque is drawn, not felt.
+  double peakForce = 3.3;            ///< N
+  double continuousForce = 0.88;     ///< N
+  double peakTorque = 0.0;           ///< N·m
+  double couplingStiffness = 400.0;  ///< Recommended K_T, N/m (haptics_facts.md §3).
+  double couplingDamping = 2.0;      ///< Recommended B_T, N·s/m.
+  double couplingStiffnessR = 0.16;  ///< N·m/rad
+  double couplingDampingR = 8e-4;    ///< N·m·s/rad
+  std::array<double, 3> workspaceMin{-0.08, -0.06, -0.035};  ///< m, in D
+  std::array<double, 3> workspaceMax{0.08, 0.06, 0.035};
+};
+
+/// read() and write() run on the servo thread, once a tick each, and are real-time safe; the rest
+/// is called before start and after stop.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  [[nodiscard]] virtual const DeviceInfo& info() const noexcept = 0;
+  /// Takes the device; an Error says what was tried and what to do.
+  [[nodiscard]] virtual Result<void> open() = 0;
+  virtual void close() noexcept = 0;
+  /// The reading for servo tick `tick`, in D.
+  [[nodiscard]] virtual DeviceSample read(std::uint64_t tick) noexcept = 0;
+  /// The wrench on the hand for this tick, in D.
+  virtual void write(const Wrench& wrench_D) noexcept = 0;
+};
+
+}  // namespace palpate

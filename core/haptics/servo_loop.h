@@ -1,0 +1,70 @@
+#pragma once
+/// One servo tick: read the device, extrapolate the tool, couple, make safe, write.
+///
+/// tick() is called by our thread, by the virtual clock, or by a vendor's scheduler. It neither
+/// allocates, locks, logs nor throws. Watchdogs count ticks, not wall time, so a session replays
+/// bit for bit.
+
+#include <Eigen/Geometry>
+#include <cstdint>
+
+#include "core/base/latest_value.h"
+#include "core/haptics/device.h"
+#include "core/haptics/messages.h"
+#include "core/haptics/passivity.h"
+#include "core/haptics/safety.h"
+#include "core/haptics/virtual_coupling.h"
+
+namespace palpate {
+
+struct ServoSettings {
+  double period = 1e-3;                                    ///< s
+  Eigen::Isometry3d X_WD = Eigen::Isometry3d::Identity();  ///< Where the device stands.
+  CouplingGains gains;
+  SafetyLimits limits;
+  std::uint32_t declaredStepTicks = 1;  ///< Servo ticks a simulation step takes.
+};
+
+/// Everything a tick did: for the recorder and --samples. World axes.
+struct ServoSample {
+  DeviceSample device;         ///< In W.
+  Wrench wrench;               ///< What left the program, W.
+  std::uint64_t toolStep = 0;  ///< The tool state that it used.
+  std::uint32_t contacts = 0;
+  double depth = 0.0;  ///< m
+  SafetyState state = SafetyState::Disarmed;
+  SafetyFault fault = SafetyFault::None;
+  double handEnergy = 0.0;  ///< Taken from the hand since start, J (passivity observer).
+};
+static_assert(std::is_trivially_copyable_v<ServoSample>);
+
+class ServoLoop {
+ public:
+  ServoLoop(HapticDevice& device, const ServoSettings& settings) noexcept;
+
+  /// Servo thread. Returns what it did.
+  ServoSample tick() noexcept;
+
+  /// Simulation thread.
+  void publishTool(const ToolState& state) noexcept { tool_.publish(state); }
+  [[nodiscard]] LatestValue<DeviceSample>& deviceSamples() noexcept { return device_samples_; }
+
+  /// Any thread, lock-free. arm() is honoured only out of contact (design: "Force and safety").
+  /// `enabled` is the hold-to-enable input (button, pedal, key), or true for good where latched.
+  void setEnabled(bool enabled) noexcept;
+  /// Force off now, whatever the state. Safe from a signal handler.
+  void forceOff() noexcept;
+  /// Any thread: the way back from a fault, honoured when its cause is gone.
+  void clearFault() noexcept;
+
+ private:
+  HapticDevice& device_;
+  ServoSettings settings_;
+  SafetyGuard safety_;
+  PassivityObserver passivity_;
+  LatestValue<ToolState> tool_;
+  LatestValue<DeviceSample> device_samples_;
+  std::uint64_t tick_ = 0;
+};
+
+}  // namespace palpate

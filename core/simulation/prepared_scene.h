@@ -1,0 +1,51 @@
+#pragma once
+/// A scene made ready to run: the tree built, the shell sampled, the device placed.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/scene/instrument.h"
+#include "core/scene/material.h"
+#include "core/scene/scene.h"
+#include "core/voxels/label_grid.h"
+#include "core/voxels/voxel_tree.h"
+
+namespace palpate {
+
+/// One row of what the scene models or leaves out (simulate --explain).
+struct PlanRow {
+  std::string what;
+  bool modelled = false;
+  std::string why;
+  std::size_t bytes = 0;
+};
+
+/// Shared, read-only, outlives every run of it. World W = patient P, metres.
+struct PreparedScene {
+  Scene scene;
+  Instrument instrument;
+  std::shared_ptr<const LabelGrid> labels;  ///< Kept so that a session can carry its own anatomy.
+  LabelTable table;
+  std::vector<Material> materials;
+  std::shared_ptr<const VoxelTree> tree;
+  std::shared_ptr<const PointShell> shell;
+  Eigen::Isometry3d X_WV = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d X_WD = Eigen::Isometry3d::Identity();
+  std::array<Material, 256> materialOf;  ///< By label value.
+  std::vector<PlanRow> plan;
+  std::uint64_t fingerprint = 0;  ///< Of labels, instrument and setting; in the session.
+};
+
+/// Refuses a label that the table does not have, and a case in which nothing is labelled.
+[[nodiscard]] Result<std::shared_ptr<const PreparedScene>> prepareScene(
+    const Scene& scene, std::shared_ptr<const LabelGrid> labels, const LabelTable& table,
+    const std::vector<Material>& materials, const Instrument& instrument,
+    const Progress& progress = {});
+
+}  // namespace palpate

@@ -1,0 +1,109 @@
+#pragma once
+/// The running thing: one prepared scene, one device, the servo and the simulation on a clock.
+///
+/// Virtual clock: one thread, one tick after the other, as fast as it goes; same seed, same bits.
+/// Real clock: a servo thread at 1 kHz and a simulation thread. The desktop, the commands and the
+/// tests all run this; none has a loop of its own.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/base/latest_value.h"
+#include "core/base/progress.h"
+#include "core/haptics/device.h"
+#include "core/haptics/servo_loop.h"
+#include "core/simulation/prepared_scene.h"
+#include "core/simulation/snapshot.h"
+
+namespace palpate {
+
+enum class Clock : std::uint8_t { Virtual, Real };
+
+/// What a run measured; the fields of `simulate --json`.
+struct RunReport {
+  Clock clock = Clock::Virtual;
+  std::uint64_t seed = 0, steps = 0, ticks = 0;
+  Timing stepTime, tickTime, lateness;  ///< µs, over the whole run
+  std::uint64_t ticksLate = 0, ticksMissed = 0;
+  std::uint32_t contactsMax = 0;
+  double forceMax = 0, torqueMax = 0;  ///< N, N·m
+  double penetrationMax = 0;           ///< m
+  double handEnergy = 0;               ///< J
+  std::uint64_t recorderDrops = 0;
+  std::uint64_t stateHash = 0;  ///< Of every step's state, chained.
+  bool realTimePriority = false;
+  std::string realTimeNote;  ///< Why not, and how to allow it.
+};
+
+/// Applied between steps, in order (design: ui -> simulation).
+struct Command {
+  enum class Kind : std::uint8_t {
+    ResetTool,
+    SetSolverIterations,
+    SetFriction
+  } kind = Kind::ResetTool;
+  double value = 0.0;
+};
+
+/// One simulation step as the recorder and the replay see it. World axes, SI.
+struct StepRecord {
+  std::uint64_t step = 0, deviceSample = 0;
+  std::uint64_t stateHash = 0;     ///< Chained over all steps so far.
+  std::uint64_t commandCount = 0;  ///< Commands applied so far.
+  PlainPose tool;
+  double v[3] = {0, 0, 0}, w[3] = {0, 0, 0};
+  Wrench contact;
+  std::uint32_t contacts = 0;
+  double depth = 0.0;
+  double micros = 0.0;  ///< Compute time; not part of the hash.
+};
+static_assert(std::is_trivially_copyable_v<StepRecord>);
+
+/// Where samples, steps and commands go. Called on the loop threads: real-time safe, never blocks;
+/// returns false when it had to drop.
+class RunSink {
+ public:
+  virtual ~RunSink() = default;
+  virtual bool onTick(const ServoSample& sample) noexcept = 0;  ///< servo thread
+  virtual bool onStep(const StepRecord& step) noexcept = 0;     ///< simulation thread
+  virtual bool onCommand(std::uint64_t step, const Command& command) noexcept = 0;  ///< simulation
+};
+
+struct RunOptions {
+  Clock clock = Clock::Virtual;
+  std::uint64_t seed = 1;
+  bool latchEnabled = false;  ///< Hold-to-enable is a latch. Simulated devices only.
+  RunSink* sink = nullptr;    ///< Outlives the run.
+};
+
+class Runner {
+ public:
+  /// The scene and the device outlive the runner's threads; the device is opened here.
+  [[nodiscard]] static Result<std::unique_ptr<Runner>> create(
+      std::shared_ptr<const PreparedScene> scene, std::unique_ptr<HapticDevice> device,
+      const RunOptions& options);
+  virtual ~Runner() = default;  ///< Zero wrench, threads joined, device closed.
+
+  /// Virtual clock: runs that many simulated seconds on the calling thread.
+  virtual Result<void> runVirtual(double seconds, const Progress& progress) = 0;
+  /// Real clock: starts and stops the two threads.
+  virtual Result<void> start() = 0;
+  virtual void stop() noexcept = 0;
+
+  [[nodiscard]] virtual RunReport report() const = 0;
+  /// Render thread only: refresh() and value().
+  [[nodiscard]] virtual LatestValue<Snapshot>& snapshots() noexcept = 0;
+  /// Any one thread. False: the queue is full, nothing was taken.
+  [[nodiscard]] virtual bool send(const Command& command) noexcept = 0;
+  /// Any thread: hold-to-enable input, force off, and the way back from a fault.
+  virtual void setEnabled(bool enabled) noexcept = 0;
+  virtual void forceOff() noexcept = 0;
+  virtual void clearFault() noexcept = 0;
+  [[nodiscard]] virtual const HapticDevice& device() const noexcept = 0;
+  [[nodiscard]] virtual const PreparedScene& scene() const noexcept = 0;
+};
+
+}  // namespace palpate
