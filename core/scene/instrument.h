@@ -21,6 +21,7 @@ struct Instrument {
   std::string name;   ///< File stem: "ball-burr".
   std::string title;  ///< "Ball burr, 6 mm".
   std::string description;
+  std::string source;  ///< Who drew it, and its licence.
   TriangleMesh mesh_T;
   MassProperties massProperties;
   std::array<std::uint8_t, 3> colour{190, 196, 204};

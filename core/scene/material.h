@@ -16,6 +16,7 @@ struct Material {
   double restitution = 0.0;       ///< 0..1
   double density_kgPerM3 = 1900.0;
   bool critical = false;  ///< Nerve, vessel, dura: to be kept away from.
+  std::string source;     ///< Where the figures come from; one line.
 };
 
 /// Unknown keys and values out of range are refused by name.
