@@ -6,6 +6,13 @@
 
 namespace palpate {
 
+/// Energy the port may be short of before the controller holds the force back, J. The promise is
+/// -20 µJ; the rest covers that the next displacement is predicted from a filtered velocity.
+inline constexpr double kPassivityReserve = 8e-6;
+/// Deficit at which the controller has evidently failed, J (haptics_facts.md §3: sustained
+/// oscillation appeared only beyond 1 mJ).
+inline constexpr double kEnergyFault = 5e-4;
+
 /// Servo thread; real-time safe.
 class PassivityObserver {
  public:
@@ -15,13 +22,23 @@ class PassivityObserver {
   /// `maxDamping`.
   [[nodiscard]] Wrench dissipate(const Wrench& wanted, const DeviceSample& device, double period,
                                  double maxDamping) noexcept;
+  /// The fraction (0..1) of `allowed` that may be sent so that the coming period, at the device's
+  /// velocity, gives the hand no more than the balance and the reserve hold. Less than 1 only when
+  /// the wrench drives the hand.
+  [[nodiscard]] double passiveFraction(const Wrench& allowed, const DeviceSample& device,
+                                       double period) const noexcept;
   /// What left the program this tick.
   void commit(const Wrench& sent) noexcept { sent_ = sent; }
   /// Energy taken from the hand since start, J. Must stay above -20 µJ less what was stored.
   [[nodiscard]] double energy() const noexcept { return energy_; }
+  /// The deficit is beyond the controller's reach.
+  [[nodiscard]] bool failed() const noexcept { return energy_ - base_ < -kEnergyFault; }
+  /// The balance starts anew from here (a fault was cleared); energy() goes on.
+  void rebase() noexcept { base_ = energy_; }
 
  private:
   double energy_ = 0.0;
+  double base_ = 0.0;
   Wrench sent_;
   PlainPose last_;
   bool started_ = false;

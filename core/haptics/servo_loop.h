@@ -6,6 +6,7 @@
 /// bit for bit.
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <cstdint>
 
 #include "core/base/latest_value.h"
@@ -49,22 +50,32 @@ class ServoLoop {
   void publishTool(const ToolState& state) noexcept { tool_.publish(state); }
   [[nodiscard]] LatestValue<DeviceSample>& deviceSamples() noexcept { return device_samples_; }
 
-  /// Any thread, lock-free. arm() is honoured only out of contact (design: "Force and safety").
-  /// `enabled` is the hold-to-enable input (button, pedal, key), or true for good where latched.
+  /// Any thread, lock-free. Arming is honoured only out of contact (design: "Force and safety").
+  /// `enabled` is the hold-to-enable input (pedal, key), or true for good where latched. The
+  /// stylus' main button, held, enables as well.
   void setEnabled(bool enabled) noexcept;
-  /// Force off now, whatever the state. Safe from a signal handler.
+  /// Force off now, whatever the state; enabling must be let go and given again. Safe from a
+  /// signal handler.
   void forceOff() noexcept;
   /// Any thread: the way back from a fault, honoured when its cause is gone.
   void clearFault() noexcept;
 
  private:
+  [[nodiscard]] DeviceSample readDevice() noexcept;
+  [[nodiscard]] Wrench coupledWrench(const DeviceSample& device) const noexcept;
+
   HapticDevice& device_;
   ServoSettings settings_;
+  Eigen::Quaterniond q_WD_;
   SafetyGuard safety_;
   PassivityObserver passivity_;
   LatestValue<ToolState> tool_;
   LatestValue<DeviceSample> device_samples_;
+  PlainPose lastGood_;  ///< Of the device, in W.
   std::uint64_t tick_ = 0;
+  std::uint32_t ticksSinceNews_ = 0;
+  std::atomic<bool> enabled_{false}, forceOff_{false}, clearFault_{false};
+  static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
 }  // namespace palpate

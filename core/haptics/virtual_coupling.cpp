@@ -1,0 +1,23 @@
+#include "core/haptics/virtual_coupling.h"
+
+namespace palpate {
+
+CouplingGains recommendedGains(const DeviceInfo& device) noexcept {
+  return {device.couplingStiffness, device.couplingDamping, device.couplingStiffnessR,
+          device.couplingDampingR};
+}
+
+Wrench couplingWrench(const CouplingGains& gains, const PlainPose& tool, const double (&toolV)[3],
+                      const double (&toolW)[3], const DeviceSample& device) noexcept {
+  const Eigen::Vector3d turn =
+      logMap(orientation(tool) * orientation(device.pose).conjugate());  // device to tool, in W
+  Wrench out;
+  for (int i = 0; i < 3; ++i) {
+    out.force[i] =
+        gains.stiffness * (tool.p[i] - device.pose.p[i]) + gains.damping * (toolV[i] - device.v[i]);
+    out.torque[i] = gains.stiffnessR * turn[i] + gains.dampingR * (toolW[i] - device.w[i]);
+  }
+  return out;
+}
+
+}  // namespace palpate
