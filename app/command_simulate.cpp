@@ -1,0 +1,280 @@
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "app/command.h"
+#include "app/commands.h"
+#include "app/program_paths.h"
+#include "app/run_sinks.h"
+#include "app/scene_loading.h"
+#include "app/setting_report.h"
+#include "app/text_table.h"
+#include "core/base/whole_file.h"
+#include "core/devices/simulated_phantom.h"
+#include "core/geometry/units.h"
+#include "core/session/recorder.h"
+#include "core/session/replay.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr double kDefaultSeconds = 10.0;  // the built-in hand: approach, press, slide, retreat
+constexpr double kTicksPerSecond = 1000.0;
+
+struct SimulateOptions {
+  fs::path caseOrScene;
+  bool headless = false, explain = false;
+  std::string device, instrument, clock = "virtual";
+  fs::path hand, record, samples;
+  double seconds = kDefaultSeconds;
+  std::uint64_t seed = 1;
+};
+
+Result<std::unique_ptr<HapticDevice>> makeDevice(const SimulateOptions& options,
+                                                 const Scene& scene) {
+  std::shared_ptr<Hand> hand;
+  if (options.hand.empty()) {
+    hand = makeSearchingHand(options.seed);
+  } else {
+    Result<std::unique_ptr<Hand>> scripted = readScriptedHand(options.hand);
+    if (!scripted) return fail(scripted.error());
+    hand = std::move(*scripted);
+  }
+  return makeSimulatedPhantom(scene.device, std::move(hand), options.seed);
+}
+
+/// A recording that is taken away again unless it was finished: a cancelled run leaves nothing.
+/// (After a crash FILE.part stays and can be replayed.)
+class PendingRecording {
+ public:
+  PendingRecording() = default;
+  PendingRecording(const PendingRecording&) = delete;
+  PendingRecording& operator=(const PendingRecording&) = delete;
+  ~PendingRecording() {
+    if (!recorder_) return;
+    recorder_.reset();
+    std::error_code error;
+    fs::remove(file_.string() + ".part", error);
+  }
+
+  /// A session may be recorded over, any other file is not touched.
+  Result<void> start(const fs::path& file, const PreparedScene& scene, const DeviceInfo& device,
+                     const RunOptions& options) {
+    std::error_code error;
+    const bool regular = fs::is_regular_file(file, error);
+    if (fs::exists(file, error) && (!regular || !readSessionHeader(file))) {
+      return fail(machineError("The recording would replace something that is no session.")
+                      .inFile(file.string())
+                      .wants("a new name, or a session")
+                      .advise("Choose another name for --record."));
+    }
+    Result<std::unique_ptr<Recorder>> recorder =
+        Recorder::create(file, scene, device, options, true);
+    if (!recorder) return fail(recorder.error());
+    file_ = file;
+    recorder_ = std::move(*recorder);
+    return {};
+  }
+
+  [[nodiscard]] Recorder* recorder() { return recorder_.get(); }
+
+  Result<void> finish(const RunReport& report) {
+    if (!recorder_) return {};
+    const Result<void> finished = recorder_->finish(report);
+    if (!finished) return fail(finished.error());
+    recorder_.reset();
+    return {};
+  }
+
+ private:
+  fs::path file_;
+  std::unique_ptr<Recorder> recorder_;
+};
+
+Result<void> runOnRealClock(Runner& runner, double seconds, const Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  if (const Result<void> started = runner.start(); !started) return fail(started.error());
+  const auto start = Clock::now();
+  double passed = 0.0;
+  while (passed < seconds && !progress.cancelled()) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(0.05, seconds - passed)));
+    passed = std::chrono::duration<double>(Clock::now() - start).count();
+    progress(passed / seconds, "Simulating");
+  }
+  runner.stop();
+  if (progress.cancelled()) return fail(cancelled());
+  return {};
+}
+
+ordered_json reportJson(const RunReport& report, const PreparedScene& scene) {
+  ordered_json json;
+  json["clock"] = report.clock == Clock::Virtual ? "virtual" : "real";
+  json["seed"] = report.seed;
+  json["steps"] = report.steps;
+  json["ticks"] = report.ticks;
+  json["step_us"] = timingJson(report.stepTime);
+  json["tick_us"] = timingJson(report.tickTime);
+  json["lateness_us"] = timingJson(report.lateness);
+  json["ticks_late"] = report.ticksLate;
+  json["ticks_missed"] = report.ticksMissed;
+  json["contacts_max"] = report.contactsMax;
+  json["force_max_N"] = report.forceMax;
+  json["torque_max_Nm"] = report.torqueMax;
+  json["penetration_max_mm"] = millimetres(report.penetrationMax);
+  json["hand_energy_J"] = report.handEnergy;
+  json["recorder_drops"] = report.recorderDrops;
+  json["state_hash"] = hashText(report.stateHash);
+  json["setting"] = settingJson(scene.scene.setting);
+  json["setting"]["instrument"] = scene.scene.instrument;
+  json["setting"]["device"] = scene.scene.device;
+  return json;
+}
+
+std::string timingText(const Timing& timing) {
+  return decimal(timing.p50, 1) + " / " + decimal(timing.p99, 1) + " / " + decimal(timing.p999, 1) +
+         " / " + decimal(timing.max, 1) + " µs";
+}
+
+std::string reportText(const RunReport& report) {
+  TextTable table({"what", "value"});
+  table.add({"clock, seed", std::string(report.clock == Clock::Virtual ? "virtual" : "real") +
+                                ", " + std::to_string(report.seed)});
+  table.add({"steps, ticks", std::to_string(report.steps) + ", " + std::to_string(report.ticks)});
+  table.add({"step p50 / p99 / p99.9 / max", timingText(report.stepTime)});
+  table.add({"tick p50 / p99 / p99.9 / max", timingText(report.tickTime)});
+  if (report.clock == Clock::Real) {
+    table.add({"late p50 / p99 / p99.9 / max", timingText(report.lateness)});
+    table.add({"ticks late, missed",
+               std::to_string(report.ticksLate) + ", " + std::to_string(report.ticksMissed)});
+  }
+  table.add({"most contacts", std::to_string(report.contactsMax)});
+  table.add({"greatest force", decimal(report.forceMax, 3) + " N"});
+  table.add({"greatest torque", decimal(report.torqueMax * 1e3, 2) + " N·mm"});
+  table.add({"deepest", decimal(millimetres(report.penetrationMax), 3) + " mm"});
+  table.add({"energy taken from the hand", decimal(report.handEnergy * 1e3, 3) + " mJ"});
+  table.add({"recorder drops", std::to_string(report.recorderDrops)});
+  table.add({"state hash", hashText(report.stateHash)});
+  return table.text();
+}
+
+void explainPlan(const std::vector<PlanRow>& plan, CommandOutput& output) {
+  output.json["plan"] = ordered_json::array();
+  TextTable table({"what", "modelled", "memory", "why"});
+  for (const PlanRow& row : plan) {
+    output.json["plan"].push_back(
+        {{"what", row.what}, {"modelled", row.modelled}, {"why", row.why}, {"bytes", row.bytes}});
+    table.add({row.what, row.modelled ? "yes" : "no", byteSize(row.bytes), row.why});
+  }
+  output.text = table.text() + "\n" + output.text;
+}
+
+std::size_t sampleCapacity(const SimulateOptions& options) {
+  if (options.samples.empty()) return 0;
+  return static_cast<std::size_t>((options.seconds + 1.0) * kTicksPerSecond);
+}
+
+std::vector<std::string> warningsOf(const RunReport& report, std::size_t samplesDropped) {
+  std::vector<std::string> warnings;
+  if (report.recorderDrops > 0) {
+    warnings.push_back("The recorder dropped " + std::to_string(report.recorderDrops) +
+                       " entries: the session is inexact from the first on.");
+  }
+  if (samplesDropped > 0) {
+    warnings.push_back(std::to_string(samplesDropped) + " samples found no room in --samples.");
+  }
+  if (report.clock == Clock::Real && !report.realTimePriority && !report.realTimeNote.empty()) {
+    warnings.push_back(report.realTimeNote);
+  }
+  return warnings;
+}
+
+Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandContext& context) {
+  for (const fs::path& file : {options.samples, options.record}) {
+    if (file.empty()) continue;
+    if (const Result<void> writable = checkWritable(file); !writable) return fail(writable.error());
+  }
+  const Result<fs::path> datasets = datasetsFolder();
+  if (!datasets) return fail(datasets.error());
+  SceneOverrides overrides;
+  if (!options.instrument.empty()) overrides.instrument = options.instrument;
+  if (!options.device.empty()) overrides.device = options.device;
+  const auto scene = loadScene(options.caseOrScene, *datasets, overrides, context.progress);
+  if (!scene) return fail(scene.error());
+  Result<std::unique_ptr<HapticDevice>> device = makeDevice(options, (*scene)->scene);
+  if (!device) return fail(device.error());
+
+  RunOptions run;
+  run.clock = options.clock == "real" ? Clock::Real : Clock::Virtual;
+  run.seed = options.seed;
+  SampleSink samples(sampleCapacity(options));
+  PendingRecording recording;
+  TeeSink tee;
+  if (!options.samples.empty()) tee.add(samples);
+  if (!options.record.empty()) {
+    const Result<void> started = recording.start(options.record, **scene, (*device)->info(), run);
+    if (!started) return fail(started.error());
+    tee.add(*recording.recorder());
+  }
+  run.sink = tee.orNull();
+
+  Result<std::unique_ptr<Runner>> runner = Runner::create(*scene, std::move(*device), run);
+  if (!runner) return fail(runner.error());
+  const Result<void> ran = run.clock == Clock::Real
+                               ? runOnRealClock(**runner, options.seconds, context.progress)
+                               : (*runner)->runVirtual(options.seconds, context.progress);
+  if (!ran) return fail(ran.error());
+  RunReport report = (*runner)->report();
+  if (recording.recorder() != nullptr) report.recorderDrops = recording.recorder()->drops();
+  runner->reset();
+
+  if (!options.samples.empty()) {
+    const Result<void> written = writeWholeFile(options.samples, samples.csv());
+    if (!written) return fail(written.error());
+  }
+  if (const Result<void> finished = recording.finish(report); !finished) {
+    return fail(finished.error());
+  }
+  CommandOutput output;
+  output.json = reportJson(report, **scene);
+  output.text = reportText(report);
+  if (options.explain) explainPlan((*scene)->plan, output);
+  output.warnings = warningsOf(report, samples.dropped());
+  return output;
+}
+
+std::string modelList() {
+  std::string list;
+  for (const std::string& model : simulatedModels()) list += (list.empty() ? "" : ", ") + model;
+  return list;
+}
+
+}  // namespace
+
+void addSimulateCommand(CommandSet& commands) {
+  const auto options = std::make_shared<SimulateOptions>();
+  CLI::App* sub = commands.add(
+      "simulate", "Runs the simulation of a case under a simulated Phantom",
+      [options](const CommandContext& context) { return runSimulate(*options, context); });
+  sub->add_option("CASE|SCENE", options->caseOrScene, "A case's folder, or a scene.toml in one")
+      ->required();
+  sub->add_flag("--headless", options->headless,
+                "Without a window; this command opens none anyway ('palpate --case CASE' does)");
+  sub->add_option("--device", options->device, "Simulated device: " + modelList());
+  sub->add_option("--hand", options->hand, "CSV of poses (default: the built-in searching hand)");
+  sub->add_option("--instrument", options->instrument, "A name in datasets/instruments");
+  sub->add_option("--seconds", options->seconds, "Simulated time")
+      ->check(CLI::Range(0.001, 3600.0))
+      ->capture_default_str();
+  sub->add_option("--clock", options->clock, "virtual (as fast as it goes) or real")
+      ->check(CLI::IsMember({"virtual", "real"}))
+      ->capture_default_str();
+  sub->add_option("--seed", options->seed, "Of the hand and the device")->capture_default_str();
+  sub->add_option("--record", options->record, "Session file to write");
+  sub->add_option("--samples", options->samples, "CSV to write, one row a servo tick");
+  sub->add_flag("--explain", options->explain, "What is modelled, what is not, and why");
+}
+
+}  // namespace palpate

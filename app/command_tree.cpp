@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <memory>
+
+#include "app/command.h"
+#include "app/commands.h"
+#include "app/setting_report.h"
+#include "app/text_table.h"
+#include "core/voxels/voxel_tree.h"
+#include "imaging/case_folder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TreeCommandOptions {
+  fs::path caseFolder;
+  std::string label;
+  int branching = 64;
+  std::string leaf = "distance";
+};
+
+Result<std::uint8_t> labelValue(const LabelTable& table, const std::string& name) {
+  std::string names;
+  for (const LabelInfo& row : table) {
+    if (row.name == name) return row.value;
+    names += (names.empty() ? "" : ", ") + row.name;
+  }
+  return fail(
+      inputRefused("The case has no label of that name.")
+          .inField("label")
+          .butFound(name)
+          .wants(names.empty() ? "a label" : "one of " + names)
+          .advise("Make it with 'palpate segment CASE --preset NAME --label " + name + "'."));
+}
+
+CommandOutput reportTree(const TreeStats& stats) {
+  CommandOutput output;
+  output.json["levels"] = stats.levels;
+  output.json["nodes_per_level"] = stats.nodesPerLevel;
+  output.json["surface_voxels"] = stats.surfaceVoxels;
+  output.json["bytes"] = bytesJson(stats);
+  output.json["build_ms"] = stats.buildMs;
+
+  TextTable nodes({"level", "nodes"});
+  for (std::size_t i = 0; i < stats.nodesPerLevel.size(); ++i) {
+    nodes.add({std::to_string(i + 1), std::to_string(stats.nodesPerLevel[i])});
+  }
+  TextTable table({"what", ""});
+  table.add({"surface voxels", std::to_string(stats.surfaceVoxels)});
+  table.add({"solid voxels", std::to_string(stats.solidVoxels)});
+  table.add({"topology", byteSize(stats.topologyBytes)});
+  table.add({"normals, depths, labels", byteSize(stats.payloadBytes)});
+  table.add({"built in", decimal(stats.buildMs, 1) + " ms"});
+  output.text = nodes.text() + "\n" + table.text();
+  return output;
+}
+
+Result<CommandOutput> runTree(const TreeCommandOptions& options, const CommandContext& context) {
+  context.progress(0.0, "Reading the labels");
+  const Result<LabelGrid> labels = readCaseLabels(options.caseFolder);
+  if (!labels) return fail(labels.error());
+  const Result<LabelTable> table = readCaseLabelTable(options.caseFolder);
+  if (!table) return fail(table.error());
+  const Result<std::uint8_t> value = labelValue(*table, options.label);
+  if (!value) return fail(value.error());
+  TreeOptions treeOptions;
+  treeOptions.branching = static_cast<Branching>(options.branching);
+  treeOptions.leaf = options.leaf == "voxel" ? LeafModel::Voxel : LeafModel::Distance;
+  const Result<VoxelTree> tree =
+      VoxelTree::build(*labels, std::span(&*value, 1), treeOptions, context.progress);
+  if (!tree) return fail(tree.error());
+  return reportTree(tree->stats());
+}
+
+}  // namespace
+
+void addTreeCommand(CommandSet& commands) {
+  const auto options = std::make_shared<TreeCommandOptions>();
+  CLI::App* sub =
+      commands.add("tree", "Builds the implicit sphere tree of a label",
+                   [options](const CommandContext& context) { return runTree(*options, context); });
+  sub->add_option("CASE", options->caseFolder, "The case's folder")->required();
+  sub->add_option("--label", options->label, "The label, by name")->required();
+  sub->add_option("--branching", options->branching, "Children a node")
+      ->check(CLI::IsMember({8, 64, 512}))
+      ->capture_default_str();
+  sub->add_option("--leaf", options->leaf, "Leaf model")
+      ->check(CLI::IsMember({"voxel", "distance"}))
+      ->capture_default_str();
+}
+
+}  // namespace palpate
