@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/grid_geometry.h"
+#include "core/voxels/label_grid.h"
 
 namespace palpate {
 
@@ -29,9 +31,15 @@ struct Volume {
   }
 };
 
-/// Smallest and largest value; {0, 0} when empty.
+/// Smallest and largest value, NaN left out; {0, 0} when empty.
 [[nodiscard]] std::pair<double, double> valueRange(const Volume& volume);
 /// As interface.md defines `voxels_sha256`: lower-case hex.
 [[nodiscard]] std::string voxelsSha256(const Volume& volume);
+
+/// Turns a float32 volume into int16 where every value is one (-0.0 becomes 0); else leaves it.
+void narrowToInt16IfExact(Volume& volume);
+/// Reverses the order of the slices; the geometry is the caller's.
+void flipSliceOrder(Volume& volume);
+void flipSliceOrder(LabelGrid& labels);
 
 }  // namespace palpate

@@ -1,0 +1,103 @@
+#include "imaging/components.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace palpate {
+namespace {
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+  /// The smaller index stays root, so that parts are numbered by their first run.
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// The runs, and where each row's begin (one entry more than rows).
+void collectRuns(const std::vector<std::uint8_t>& mask, std::int32_t nx, std::size_t rows,
+                 std::vector<MaskRun>& runs, std::vector<std::uint32_t>& rowStart) {
+  rowStart.reserve(rows + 1);
+  for (std::size_t row = 0; row < rows; ++row) {
+    rowStart.push_back(static_cast<std::uint32_t>(runs.size()));
+    const std::uint8_t* voxels = mask.data() + row * static_cast<std::size_t>(nx);
+    for (std::int32_t x = 0; x < nx; ++x) {
+      if (voxels[x] == 0) continue;
+      MaskRun run;
+      run.first = x;
+      while (x + 1 < nx && voxels[x + 1] != 0) ++x;
+      run.last = x;
+      run.row = static_cast<std::uint32_t>(row);
+      runs.push_back(run);
+    }
+  }
+  rowStart.push_back(static_cast<std::uint32_t>(runs.size()));
+}
+
+/// Joins the touching runs of two rows; corners touch too (one voxel of reach on both sides).
+void joinRows(const std::vector<MaskRun>& runs, std::uint32_t a, std::uint32_t aEnd,
+              std::uint32_t b, std::uint32_t bEnd, DisjointSets& sets) {
+  while (a < aEnd && b < bEnd) {
+    if (runs[a].first <= runs[b].last + 1 && runs[b].first <= runs[a].last + 1) sets.join(a, b);
+    if (runs[a].last < runs[b].last) {
+      ++a;
+    } else {
+      ++b;
+    }
+  }
+}
+
+}  // namespace
+
+MaskParts findParts(const std::vector<std::uint8_t>& mask,
+                    const std::array<std::int32_t, 3>& dims) {
+  const auto ny = static_cast<std::size_t>(dims[1]);
+  const auto nz = static_cast<std::size_t>(dims[2]);
+  MaskParts parts;
+  std::vector<std::uint32_t> rowStart;
+  collectRuns(mask, dims[0], ny * nz, parts.runs, rowStart);
+  DisjointSets sets(parts.runs.size());
+  const auto join = [&](std::size_t row, std::size_t other) {
+    joinRows(parts.runs, rowStart[row], rowStart[row + 1], rowStart[other], rowStart[other + 1],
+             sets);
+  };
+  for (std::size_t z = 0; z < nz; ++z) {
+    for (std::size_t y = 0; y < ny; ++y) {
+      const std::size_t row = z * ny + y;
+      if (y > 0) join(row, row - 1);
+      if (z == 0) continue;
+      if (y > 0) join(row, row - ny - 1);
+      join(row, row - ny);
+      if (y + 1 < ny) join(row, row - ny + 1);
+    }
+  }
+  std::vector<std::uint32_t> numberOf(parts.runs.size());
+  for (std::uint32_t r = 0; r < parts.runs.size(); ++r) {
+    const std::uint32_t root = sets.root(r);
+    if (root == r) {
+      numberOf[r] = static_cast<std::uint32_t>(parts.voxels.size());
+      parts.voxels.push_back(0);
+    }
+    parts.runs[r].part = numberOf[root];
+    parts.voxels[numberOf[root]] +=
+        static_cast<std::uint64_t>(parts.runs[r].last - parts.runs[r].first + 1);
+  }
+  return parts;
+}
+
+}  // namespace palpate

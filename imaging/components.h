@@ -1,0 +1,27 @@
+#pragma once
+/// 26-connected parts of a mask, by runs along x and union-find (two passes, no recursion).
+/// Source: Rosenfeld & Pfaltz 1966, on runs instead of pixels. Memory is proportional to the runs.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace palpate {
+
+/// One run of set voxels in a row.
+struct MaskRun {
+  std::int32_t first = 0, last = 0;  ///< x, inclusive.
+  std::uint32_t row = 0;             ///< z · ny + y.
+  std::uint32_t part = 0;            ///< Index into MaskParts::voxels.
+};
+
+struct MaskParts {
+  std::vector<MaskRun> runs;          ///< In the order of the voxels.
+  std::vector<std::uint64_t> voxels;  ///< Voxels of each part, in the order of first voxels.
+};
+
+/// @param mask  non-zero is set; x fastest; size dims[0]·dims[1]·dims[2].
+[[nodiscard]] MaskParts findParts(const std::vector<std::uint8_t>& mask,
+                                  const std::array<std::int32_t, 3>& dims);
+
+}  // namespace palpate
