@@ -1,12 +1,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/whole_file.h"
 #include "core/geometry/pose.h"
 #include "core/geometry/units.h"
 #include "core/scene/scene.h"
 #include "core/scene/scene_text.h"
 #include "core/scene/toml_reader.h"
-#include "core/scene/whole_file.h"
 
 namespace palpate {
 namespace {

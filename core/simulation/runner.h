@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "core/base/error.h"
 #include "core/base/latest_value.h"
@@ -41,12 +42,13 @@ struct RunReport {
 /// Applied between steps, in order (design: ui -> simulation).
 struct Command {
   enum class Kind : std::uint8_t {
-    ResetTool,
-    SetSolverIterations,
-    SetFriction
+    ResetTool,            ///< To rest where the device is.
+    SetSolverIterations,  ///< `value` impulses a step, 1 to 100000.
+    SetFriction           ///< `value` 0: off; else on.
   } kind = Kind::ResetTool;
   double value = 0.0;
 };
+static_assert(std::is_trivially_copyable_v<Command>);
 
 /// One simulation step as the recorder and the replay see it. World axes, SI.
 struct StepRecord {
@@ -62,8 +64,9 @@ struct StepRecord {
 };
 static_assert(std::is_trivially_copyable_v<StepRecord>);
 
-/// Where samples, steps and commands go. Called on the loop threads: real-time safe, never blocks;
-/// returns false when it had to drop.
+/// Where samples, steps and commands go. Called on the loop threads: real-time safe, never blocks
+/// in the real clock; returns false when it had to drop. A command is told before the step it acts
+/// on.
 class RunSink {
  public:
   virtual ~RunSink() = default;
@@ -93,6 +96,7 @@ class Runner {
   virtual Result<void> start() = 0;
   virtual void stop() noexcept = 0;
 
+  /// Any thread; while the two threads run, at most a second old.
   [[nodiscard]] virtual RunReport report() const = 0;
   /// Render thread only: refresh() and value().
   [[nodiscard]] virtual LatestValue<Snapshot>& snapshots() noexcept = 0;

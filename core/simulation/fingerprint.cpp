@@ -1,0 +1,92 @@
+#include "core/simulation/fingerprint.h"
+
+#include <algorithm>
+
+#include "core/simulation/bits.h"
+
+namespace palpate {
+namespace {
+
+std::uint64_t ofGeometry(const GridGeometry& geometry, std::uint64_t seed) {
+  BitRow<32> row;
+  for (const auto n : geometry.dims) row.add(n);
+  for (int axis = 0; axis < 3; ++axis) row.add(geometry.spacing[axis]);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 4; ++j) row.add(geometry.X_PV.matrix()(i, j));
+  }
+  return row.hash(seed);
+}
+
+std::uint64_t ofLabels(const LabelGrid& grid, const FeltLabels& felt, std::uint64_t seed) {
+  std::array<std::uint8_t, 4096> block{};
+  for (std::size_t at = 0; at < grid.labels.size(); at += block.size()) {
+    const std::size_t count = std::min(block.size(), grid.labels.size() - at);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t label = grid.labels[at + i];
+      block[i] = felt[label] ? label : std::uint8_t{0};
+    }
+    seed = hashBits(block.data(), count, seed);
+  }
+  return seed;
+}
+
+std::uint64_t ofInstrument(const Instrument& instrument, std::uint64_t seed) {
+  for (const auto& vertex : instrument.mesh_T.vertices) {
+    seed = hashBits(vertex.data(), 3 * sizeof(double), seed);
+  }
+  for (const auto& triangle : instrument.mesh_T.triangles) {
+    seed = hashBits(triangle.data(), sizeof(triangle), seed);
+  }
+  BitRow<16> row;
+  const MassProperties& mass = instrument.massProperties;
+  row.add(mass.mass);
+  for (int axis = 0; axis < 3; ++axis) row.add(mass.p_TC[axis]);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) row.add(mass.I_C(i, j));
+  }
+  row.add(instrument.shellSpacing);
+  return row.hash(seed);
+}
+
+std::uint64_t ofSetting(const SimulationSetting& setting, std::uint64_t seed) {
+  BitRow<16> row;
+  row.add(static_cast<std::uint16_t>(setting.tree.branching));
+  row.add(static_cast<std::uint8_t>(setting.tree.leaf));
+  row.add(setting.tree.surfaceOnly);
+  row.add(static_cast<std::uint8_t>(setting.query.method));
+  row.add(setting.query.tightSpheres);
+  row.add(setting.query.oneChildSkip);
+  row.add(setting.query.sideOffset);
+  row.add(setting.query.stopLevel);
+  row.add(setting.query.contactBudget);
+  row.add(setting.shellSpacing);
+  row.add(setting.stepPeriod);
+  row.add(setting.contactCapacity);
+  row.add(setting.solverIterations);
+  row.add(setting.friction);
+  return row.hash(seed);
+}
+
+std::uint64_t ofMaterials(const PreparedScene& prepared, const FeltLabels& felt,
+                          std::uint64_t seed) {
+  for (std::size_t label = 1; label < felt.size(); ++label) {
+    if (!felt[label]) continue;
+    BitRow<4> row;
+    row.add(prepared.materialOf[label].friction);
+    row.add(prepared.materialOf[label].restitution);
+    seed = row.hash(seed);
+  }
+  return seed;
+}
+
+}  // namespace
+
+std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt) {
+  std::uint64_t hash = ofGeometry(prepared.labels->geometry, 0);
+  hash = ofLabels(*prepared.labels, felt, hash);
+  hash = ofMaterials(prepared, felt, hash);
+  hash = ofInstrument(prepared.instrument, hash);
+  return ofSetting(prepared.scene.setting, hash);
+}
+
+}  // namespace palpate

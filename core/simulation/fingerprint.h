@@ -1,0 +1,18 @@
+#pragma once
+/// What a session and a scene must share to be the same simulation.
+
+#include <cstdint>
+
+#include "core/simulation/approach.h"
+#include "core/simulation/prepared_scene.h"
+
+namespace palpate {
+
+/// The values that a prepared scene feels.
+[[nodiscard]] FeltLabels feltLabelsOf(const PreparedScene& prepared);
+
+/// Of geometry, felt labels, their materials, instrument, and setting. Labels that are not felt
+/// do not count, nor does where the device stands: samples are recorded in the world.
+[[nodiscard]] std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt);
+
+}  // namespace palpate

@@ -1,0 +1,89 @@
+#include "core/simulation/plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "core/geometry/units.h"
+
+namespace palpate {
+namespace {
+
+std::string text(const char* format, double value) {
+  std::array<char, 64> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, value);
+  return buffer.data();
+}
+
+std::string nameOf(const LabelTable& table, std::uint8_t value) {
+  for (const auto& label : table) {
+    if (label.value == value) return label.name;
+  }
+  return "label " + std::to_string(value);
+}
+
+void addLabels(const PreparedScene& prepared, const std::vector<std::uint8_t>& feltValues,
+               std::vector<PlanRow>& plan) {
+  std::array<std::size_t, 256> voxels{};
+  for (const std::uint8_t label : prepared.labels->labels) ++voxels[label];
+  for (const std::uint8_t value : feltValues) {
+    plan.push_back({"label " + nameOf(prepared.table, value), true,
+                    std::to_string(voxels[value]) + " voxels, rigid, friction " +
+                        text("%.2f", prepared.materialOf[value].friction),
+                    0});
+  }
+  for (const auto& label : prepared.table) {
+    if (std::find(feltValues.begin(), feltValues.end(), label.value) != feltValues.end()) continue;
+    plan.push_back({"label " + label.name, false,
+                    voxels[label.value] == 0 ? "it has no voxel" : "the scene does not name it",
+                    0});
+  }
+}
+
+void addTree(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
+  const TreeStats& stats = prepared.tree->stats();
+  const TreeOptions& options = prepared.scene.setting.tree;
+  plan.push_back({"voxel tree", true,
+                  std::to_string(static_cast<int>(options.branching)) + " children a node, " +
+                      std::to_string(stats.levels) + " levels, " +
+                      std::to_string(stats.surfaceVoxels) + " surface voxels",
+                  stats.topologyBytes});
+  plan.push_back({"depth and normals", true,
+                  options.leaf == LeafModel::Distance ? "distance, trilinear between voxel centres"
+                                                      : "voxel, one plane a voxel",
+                  stats.payloadBytes});
+}
+
+}  // namespace
+
+std::vector<PlanRow> planOf(const PreparedScene& prepared,
+                            const std::vector<std::uint8_t>& feltValues, double shellSpacing,
+                            bool approachIsClear) {
+  const SimulationSetting& setting = prepared.scene.setting;
+  std::vector<PlanRow> plan;
+  addLabels(prepared, feltValues, plan);
+  addTree(prepared, plan);
+  plan.push_back({"instrument " + prepared.instrument.name, true,
+                  std::to_string(prepared.shell->size()) + " shell points at " +
+                      text("%.2f mm, ", millimetres(shellSpacing)) +
+                      text("%.1f g", 1e3 * prepared.instrument.massProperties.mass),
+                  prepared.shell->size() * 2 * sizeof(Eigen::Vector3d)});
+  plan.push_back({"contacts", true,
+                  "at most " + std::to_string(setting.contactCapacity) + " a step, " +
+                      std::to_string(setting.solverIterations) + " impulses a step",
+                  setting.contactCapacity * sizeof(Contact)});
+  plan.push_back({"friction", setting.friction, setting.friction ? "Coulomb" : "switched off", 0});
+  plan.push_back({"device placement", true,
+                  prepared.scene.X_WD ? "as the scene says"
+                  : approachIsClear   ? "chosen: an even, free patch of surface"
+                                      : "chosen, but no even and free patch of surface was found",
+                  0});
+  plan.push_back({"deformation", false, "anatomy is rigid in this version", 0});
+  plan.push_back({"cutting and drilling", false, "anatomy cannot be edited in this version", 0});
+  plan.push_back({"torque on the hand", false,
+                  "felt only on devices with torque motors; it is always computed", 0});
+  return plan;
+}
+
+}  // namespace palpate

@@ -1,0 +1,15 @@
+#pragma once
+/// What a prepared scene models, what it leaves out, and what it costs (simulate --explain).
+
+#include <cstdint>
+#include <vector>
+
+#include "core/simulation/prepared_scene.h"
+
+namespace palpate {
+
+[[nodiscard]] std::vector<PlanRow> planOf(const PreparedScene& prepared,
+                                          const std::vector<std::uint8_t>& feltValues,
+                                          double shellSpacing, bool approachIsClear);
+
+}  // namespace palpate

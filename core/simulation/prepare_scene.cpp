@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <span>
+
+#include "core/geometry/units.h"
+#include "core/simulation/approach.h"
+#include "core/simulation/fingerprint.h"
+#include "core/simulation/plan.h"
+#include "core/simulation/prepared_scene.h"
+
+namespace palpate {
+namespace {
+
+std::string labelNames(const LabelTable& table) {
+  std::string names;
+  for (const auto& label : table) names += (names.empty() ? "" : ", ") + label.name;
+  return names.empty() ? "none" : names;
+}
+
+Result<void> checkGrid(const LabelGrid& grid) {
+  if (grid.geometry.voxelCount() == 0 || grid.labels.size() != grid.geometry.voxelCount()) {
+    return fail(inputRefused("The labels do not fill their grid.")
+                    .inField("labels")
+                    .butFound(std::to_string(grid.labels.size()) + " voxels")
+                    .wants(std::to_string(grid.geometry.voxelCount()) + " voxels"));
+  }
+  return {};
+}
+
+/// The values that the scene feels; all that are not background where it names none.
+Result<FeltLabels> feltLabels(const Scene& scene, const LabelTable& table) {
+  FeltLabels felt{};
+  if (scene.labels.empty()) {
+    felt.fill(true);
+    felt[0] = false;
+    return felt;
+  }
+  for (const std::string& name : scene.labels) {
+    const auto row = std::find_if(table.begin(), table.end(),
+                                  [&name](const LabelInfo& label) { return label.name == name; });
+    if (row == table.end()) {
+      return fail(inputRefused("The scene names a label that the case does not have.")
+                      .inField("labels")
+                      .butFound(name)
+                      .wants("one of: " + labelNames(table))
+                      .advise("Segment that label, or name another in the scene."));
+    }
+    felt[row->value] = true;
+  }
+  return felt;
+}
+
+/// The felt values that occur. Refuses when none does.
+Result<std::vector<std::uint8_t>> presentLabels(const Scene& scene, const LabelGrid& grid,
+                                                const FeltLabels& felt) {
+  std::array<bool, 256> present{};
+  for (const std::uint8_t label : grid.labels) present[label] = true;
+  std::vector<std::uint8_t> values;
+  bool any = false;
+  for (std::size_t value = 1; value < present.size(); ++value) {
+    any = any || present[value];
+    if (present[value] && felt[value]) values.push_back(static_cast<std::uint8_t>(value));
+  }
+  if (!any) {
+    return fail(inputRefused("Nothing in the case is labelled.")
+                    .advise("Segment it first: palpate segment CASE --preset ct-bone."));
+  }
+  if (values.empty()) {
+    std::string names;
+    for (const auto& name : scene.labels) names += (names.empty() ? "" : ", ") + name;
+    return fail(inputRefused("None of the scene's labels has a voxel.")
+                    .inField("labels")
+                    .butFound(names)
+                    .advise("Segment that label, or name another in the scene."));
+  }
+  return values;
+}
+
+Result<void> assignMaterials(PreparedScene& prepared, const FeltLabels& felt) {
+  for (const LabelInfo& label : prepared.table) {
+    if (!felt[label.value]) continue;
+    const auto material =
+        std::find_if(prepared.materials.begin(), prepared.materials.end(),
+                     [&label](const Material& m) { return m.name == label.material; });
+    if (material == prepared.materials.end()) {
+      std::string names;
+      for (const auto& m : prepared.materials) names += (names.empty() ? "" : ", ") + m.name;
+      return fail(inputRefused("A label has a material that is not known.")
+                      .inField("labels." + label.name + ".material")
+                      .butFound(label.material)
+                      .wants("one of: " + names)
+                      .advise("Correct labels.toml, or add the material to materials.toml."));
+    }
+    prepared.materialOf[label.value] = *material;
+  }
+  return {};
+}
+
+/// Part of a longer piece of work, shown as the share [from, to] of it.
+Progress share(const Progress& progress, double from, double to) {
+  Progress part;
+  part.cancel = progress.cancel;
+  if (progress.report) {
+    part.report = [&progress, from, to](double fraction, const std::string& what) {
+      progress.report(from + (to - from) * fraction, what);
+    };
+  }
+  return part;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const PreparedScene>> prepareScene(const Scene& scene,
+                                                          std::shared_ptr<const LabelGrid> labels,
+                                                          const LabelTable& table,
+                                                          const std::vector<Material>& materials,
+                                                          const Instrument& instrument,
+                                                          const Progress& progress) {
+  if (auto checked = checkGrid(*labels); !checked) return fail(checked.error());
+  const auto felt = feltLabels(scene, table);
+  if (!felt) return fail(felt.error());
+  const auto values = presentLabels(scene, *labels, *felt);
+  if (!values) return fail(values.error());
+
+  auto prepared = std::make_shared<PreparedScene>();
+  prepared->scene = scene;
+  prepared->instrument = instrument;
+  prepared->labels = std::move(labels);
+  prepared->table = table;
+  prepared->materials = materials;
+  if (auto assigned = assignMaterials(*prepared, *felt); !assigned) return fail(assigned.error());
+
+  auto tree =
+      VoxelTree::build(*prepared->labels, *values, scene.setting.tree, share(progress, 0.0, 0.8));
+  if (!tree) return fail(tree.error());
+  prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
+  if (progress.cancelled()) return fail(cancelled());
+
+  progress(0.8, "Sampling the instrument");
+  const double spacing =
+      scene.setting.shellSpacing > 0.0 ? scene.setting.shellSpacing : instrument.shellSpacing;
+  auto shell = PointShell::fromMesh(instrument.mesh_T, spacing);
+  if (!shell) return fail(shell.error());
+  prepared->shell = std::make_shared<const PointShell>(std::move(*shell));
+
+  progress(0.9, "Placing the device");
+  prepared->X_WV = prepared->labels->geometry.X_PV;  // W = P
+  bool approachIsClear = true;
+  if (scene.X_WD) {
+    prepared->X_WD = *scene.X_WD;
+  } else {
+    const auto approach = planApproach(*prepared->labels, *felt);
+    if (!approach) return fail(approach.error());
+    prepared->X_WD = approach->X_PD;
+    approachIsClear = approach->clear;
+  }
+  prepared->fingerprint = fingerprintOf(*prepared, *felt);
+  prepared->plan = planOf(*prepared, *values, spacing, approachIsClear);
+  progress(1.0, "Ready");
+  return std::shared_ptr<const PreparedScene>(std::move(prepared));
+}
+
+FeltLabels feltLabelsOf(const PreparedScene& prepared) {
+  // The names were checked when the scene was prepared.
+  return *feltLabels(prepared.scene, prepared.table);
+}
+
+}  // namespace palpate

@@ -1,0 +1,273 @@
+#include "core/simulation/runner.h"
+
+#include <semaphore.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "core/simulation/bounded_queue.h"
+#include "core/simulation/loop_stats.h"
+#include "core/simulation/real_time.h"
+#include "core/simulation/simulation.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kServoPeriod = 1e-3;
+constexpr std::int64_t kServoPeriod_ns = 1000000;
+constexpr std::uint64_t kTicksPerSecond = 1000;
+// 125 pictures a second at most: more than any screen here shows, an eighth of the copying.
+constexpr std::uint64_t kSnapshotTicks = 8;
+constexpr std::size_t kCommandCapacity = 256;
+// Ticks of zero wrench at the end: a device keeps the last force it was sent (haptics_facts.md §1).
+constexpr int kZeroTicks = 5;
+// Below the kernel's own threads, above the audio of a desktop; the servo before the simulation.
+constexpr int kServoPriority = 80, kStepPriority = 70;
+
+ServoSettings servoSettings(const PreparedScene& scene, const DeviceInfo& info,
+                            std::uint32_t stepTicks) {
+  ServoSettings settings;
+  settings.period = kServoPeriod;
+  settings.X_WD = scene.X_WD;
+  settings.gains = recommendedGains(info);
+  settings.limits = recommendedLimits(info, kServoPeriod);
+  settings.declaredStepTicks = stepTicks;
+  return settings;
+}
+
+class LoopRunner final : public Runner {
+ public:
+  LoopRunner(std::shared_ptr<const PreparedScene> scene, std::unique_ptr<HapticDevice> device,
+             const RunOptions& options)
+      : scene_(std::move(scene)),
+        device_(std::move(device)),
+        options_(options),
+        simulation_(scene_, recommendedGains(device_->info())),
+        servo_(*device_, servoSettings(*scene_, device_->info(), simulation_.stepTicks())),
+        commands_(kCommandCapacity) {
+    ::sem_init(&ticked_, 0, 0);
+    if (options_.latchEnabled) servo_.setEnabled(true);
+  }
+  LoopRunner(const LoopRunner&) = delete;
+  LoopRunner& operator=(const LoopRunner&) = delete;
+  ~LoopRunner() override {
+    stop();
+    for (int tick = 0; tick < kZeroTicks; ++tick) device_->write(Wrench{});
+    device_->close();
+    ::sem_destroy(&ticked_);
+  }
+
+  Result<void> runVirtual(double seconds, const Progress& progress) override;
+  Result<void> start() override;
+  void stop() noexcept override;
+  [[nodiscard]] RunReport report() const override;
+
+  LatestValue<Snapshot>& snapshots() noexcept override { return snapshots_; }
+  bool send(const Command& command) noexcept override { return commands_.tryPush(command); }
+  void setEnabled(bool enabled) noexcept override {
+    servo_.setEnabled(enabled || options_.latchEnabled);
+  }
+  void forceOff() noexcept override { servo_.forceOff(); }
+  void clearFault() noexcept override { servo_.clearFault(); }
+  [[nodiscard]] const HapticDevice& device() const noexcept override { return *device_; }
+  [[nodiscard]] const PreparedScene& scene() const noexcept override { return *scene_; }
+
+ private:
+  void tickOnce() noexcept;  ///< servo thread
+  void stepOnce() noexcept;  ///< simulation thread
+  void publishSnapshot() noexcept;
+  void servoThread() noexcept;
+  void stepThread() noexcept;
+
+  std::shared_ptr<const PreparedScene> scene_;
+  std::unique_ptr<HapticDevice> device_;
+  RunOptions options_;
+  Simulation simulation_;
+  ServoLoop servo_;
+  BoundedQueue<Command> commands_;
+  LatestValue<Snapshot> snapshots_;
+  LatestValue<ServoSample> servoSamples_;   ///< servo -> simulation: what the snapshot shows of it
+  LatestValue<ServoFigures> servoForStep_;  ///< servo -> simulation, once a second
+  mutable LatestValue<ServoFigures> servoForReport_;
+  mutable LatestValue<StepFigures> stepForReport_;
+  mutable std::mutex reportMutex_;  ///< Between callers of report(); the loops never take it.
+  ServoStats servoStats_;
+  StepStats stepStats_;
+  sem_t ticked_{};  ///< Posted after each tick of the real clock.
+  std::atomic<bool> stopping_{false};
+  std::thread servoThread_, stepThread_;
+  bool realTime_ = false;
+  std::string realTimeNote_;
+};
+
+void LoopRunner::tickOnce() noexcept {
+  const std::int64_t start = monotonicNow();
+  const ServoSample sample = servo_.tick();
+  servoStats_.tick(sample, monotonicNow() - start);
+  servoSamples_.publish(sample);
+  if (options_.sink != nullptr && !options_.sink->onTick(sample)) servoStats_.dropped();
+  if (servoStats_.windowEnded(kTicksPerSecond)) {
+    const ServoFigures figures = servoStats_.figures();
+    servoForStep_.publish(figures);
+    servoForReport_.publish(figures);
+  }
+}
+
+void LoopRunner::stepOnce() noexcept {
+  Command command;
+  while (commands_.tryPop(command)) {
+    simulation_.apply(command);
+    if (options_.sink != nullptr &&
+        !options_.sink->onCommand(simulation_.record().step + 1, command)) {
+      stepStats_.dropped();
+    }
+  }
+  const StepRecord& record = simulation_.step(servo_.deviceSamples().value());
+  servo_.publishTool(simulation_.tool());
+  stepStats_.step(record);
+  if (options_.sink != nullptr && !options_.sink->onStep(record)) stepStats_.dropped();
+  if (stepStats_.windowEnded(kTicksPerSecond / simulation_.stepTicks())) {
+    stepForReport_.publish(stepStats_.figures());
+  }
+  const std::uint64_t every = std::max<std::uint64_t>(1, kSnapshotTicks / simulation_.stepTicks());
+  if (record.step % every == 0) publishSnapshot();
+}
+
+void LoopRunner::publishSnapshot() noexcept {
+  servoSamples_.refresh();
+  servoForStep_.refresh();
+  const ServoSample& servo = servoSamples_.value();
+  const ServoFigures& figures = servoForStep_.value();
+  Snapshot& snapshot = snapshots_.slotToFill();
+  simulation_.fill(snapshot);
+  snapshot.felt = servo.wrench;
+  snapshot.safety = servo.state;
+  snapshot.fault = servo.fault;
+  snapshot.stepTime = stepStats_.lastSecond();
+  snapshot.tickTime = figures.lastSecond;
+  snapshot.ticksLate = figures.late;
+  snapshot.ticksMissed = figures.missed;
+  snapshots_.publishFilled();
+}
+
+Result<void> LoopRunner::runVirtual(double seconds, const Progress& progress) {
+  if (options_.clock != Clock::Virtual) {
+    return fail(usageError("The run was made for the real clock: start() it."));
+  }
+  if (!std::isfinite(seconds) || seconds < 0.0) {
+    return fail(usageError("A run lasts zero or more seconds."));
+  }
+  const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / kServoPeriod));
+  const std::string what = "Simulating";
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    if (tick % kTicksPerSecond == 0) {
+      if (progress.cancelled()) return fail(cancelled());
+      progress(static_cast<double>(tick) / static_cast<double>(ticks), what);
+    }
+    tickOnce();
+    // Every stepTicks-th sample makes a step, counted over all runs of this runner.
+    servo_.deviceSamples().refresh();
+    if (servo_.deviceSamples().value().index % simulation_.stepTicks() == 0) stepOnce();
+  }
+  progress(1.0, what);
+  return {};
+}
+
+void LoopRunner::servoThread() noexcept {
+  touchStack();
+  std::int64_t due = monotonicNow() + kServoPeriod_ns;
+  while (!stopping_.load(std::memory_order_acquire)) {
+    sleepUntil(due);
+    const std::int64_t late = monotonicNow() - due;
+    servoStats_.woke(late);
+    if (late >= kServoPeriod_ns) {
+      const std::int64_t skipped = late / kServoPeriod_ns;
+      servoStats_.missed(static_cast<std::uint64_t>(skipped));
+      due += skipped * kServoPeriod_ns;
+    }
+    tickOnce();
+    ::sem_post(&ticked_);
+    due += kServoPeriod_ns;
+  }
+}
+
+void LoopRunner::stepThread() noexcept {
+  touchStack();
+  std::uint64_t nextIndex = 0;
+  while (true) {
+    while (::sem_wait(&ticked_) != 0) {
+    }
+    if (stopping_.load(std::memory_order_acquire)) return;
+    while (::sem_trywait(&ticked_) == 0) {  // after a slow step only the newest sample counts
+    }
+    servo_.deviceSamples().refresh();
+    const std::uint64_t index = servo_.deviceSamples().value().index;
+    if (index < nextIndex) continue;
+    nextIndex = index + simulation_.stepTicks();
+    stepOnce();
+  }
+}
+
+Result<void> LoopRunner::start() {
+  if (options_.clock != Clock::Real) {
+    return fail(usageError("The run was made for the virtual clock: runVirtual() it."));
+  }
+  if (servoThread_.joinable()) return {};
+  stopping_.store(false, std::memory_order_release);
+  stepThread_ = std::thread([this] {
+    LockedMemory own(this, sizeof(*this));
+    LockedMemory contacts(simulation_.contactMemory().data(),
+                          simulation_.contactMemory().size_bytes());
+    stepThread();
+  });
+  servoThread_ = std::thread([this] { servoThread(); });
+  realTimeNote_ = askForRealTime(stepThread_.native_handle(), kStepPriority);
+  const std::string servoNote = askForRealTime(servoThread_.native_handle(), kServoPriority);
+  if (!servoNote.empty()) realTimeNote_ = servoNote;
+  realTime_ = realTimeNote_.empty();
+  return {};
+}
+
+void LoopRunner::stop() noexcept {
+  stopping_.store(true, std::memory_order_release);
+  if (servoThread_.joinable()) servoThread_.join();
+  ::sem_post(&ticked_);
+  if (stepThread_.joinable()) stepThread_.join();
+  device_->write(Wrench{});
+}
+
+RunReport LoopRunner::report() const {
+  RunReport report;
+  if (servoThread_.joinable()) {
+    const std::lock_guard<std::mutex> lock(reportMutex_);
+    servoForReport_.refresh();
+    stepForReport_.refresh();
+    report = reportOf(options_, servoForReport_.value(), stepForReport_.value());
+  } else {
+    report = reportOf(options_, servoStats_.figures(), stepStats_.figures());
+  }
+  report.realTimePriority = realTime_;
+  report.realTimeNote = realTimeNote_;
+  return report;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Runner>> Runner::create(std::shared_ptr<const PreparedScene> scene,
+                                               std::unique_ptr<HapticDevice> device,
+                                               const RunOptions& options) {
+  if (options.latchEnabled && !device->info().simulated) {
+    return fail(usageError("Hold-to-enable may be a latch only on a simulated device.")
+                    .butFound(device->info().name)
+                    .advise("Hold the stylus' button to feel force."));
+  }
+  if (auto opened = device->open(); !opened) return fail(opened.error());
+  return std::unique_ptr<Runner>(
+      std::make_unique<LoopRunner>(std::move(scene), std::move(device), options));
+}
+
+}  // namespace palpate
