@@ -1,0 +1,101 @@
+#!/bin/bash
+# Every check, from a fresh Debian 12: set-up, format, includes, build, lint, sanitizers, tests.
+#
+#   packaging/test.sh              everything; CTest's summary closes the output
+#   packaging/test.sh STAGE...     only these: setup format includes build lint tsan asan test
+#
+# Tests labelled 'long' (full stability, soak, fuzzing, benchmarks) run on request:
+#   ctest --test-dir build/release -L long
+set -uo pipefail
+# shellcheck source=common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+cd "$root" || exit 4
+
+failed=()
+summary=()
+
+say() { printf '\n== test: %s\n' "$*"; }
+
+# stage <name>: runs stage_<name>, times it, remembers a failure.
+stage() {
+  local name=$1 start=$SECONDS
+  say "$name"
+  if "stage_$name"; then
+    summary+=("$name: ok, $((SECONDS - start)) s")
+  else
+    summary+=("$name: FAILED, $((SECONDS - start)) s")
+    failed+=("$name")
+    return 1
+  fi
+}
+
+sources() { find app core imaging ui tests datasets -name '*.h' -o -name '*.cpp' | LC_ALL=C sort; }
+
+stage_setup() { packaging/setup.sh; }
+
+stage_format() { sources | xargs -P "$jobs" -n 40 clang-format --dry-run -Werror; }
+
+stage_includes() { python3 packaging/check_includes.py --self-test && python3 packaging/check_includes.py; }
+
+stage_build() { build release; }
+
+# clang-tidy over a subset that fits the time: see .clang-tidy for the checks.
+stage_lint() {
+  find core app -name '*.cpp' | LC_ALL=C sort |
+    xargs -P "$jobs" -n 4 clang-tidy -p build/release --quiet --warnings-as-errors='*' 2>/dev/null
+}
+
+# The two loops and everything that crosses between threads.
+threaded='^(base|haptics|devices|simulation|session)\.'
+stage_tsan() {
+  build tsan &&
+    TSAN_OPTIONS='halt_on_error=1 second_deadlock_stack=1' \
+      ctest --test-dir build/tsan -j "$jobs" --output-on-failure -LE long -R "$threaded"
+}
+
+memory='^(base|geometry|voxels|collision|dynamics|haptics|devices|scene|session|imaging[a-z_]*)\.'
+asan_targets() {
+  ninja -C build/asan -t targets all | sed -n 's/^\(test_[a-z_]*\): phony$/\1/p' |
+    sed 's/^test_//' | grep -E "^(base|geometry|voxels|collision|dynamics|haptics|devices|scene|session|imaging[a-z_]*)$" |
+    sed 's/^/test_/'
+}
+stage_asan() {
+  cmake --preset asan >/dev/null || return 1
+  local targets
+  mapfile -t targets < <(asan_targets)
+  cmake --build --preset asan -j "$jobs" --target "${targets[@]}" &&
+    ASAN_OPTIONS='detect_leaks=1 strict_string_checks=1' UBSAN_OPTIONS='print_stacktrace=1' \
+      ctest --test-dir build/asan -j "$jobs" --output-on-failure -LE long -R "$memory"
+}
+
+# A private display of a fixed size, so that golden pictures have one size everywhere.
+stage_test() {
+  LP_NUM_THREADS=2 xvfb-run -a -s '-screen 0 1600x1000x24 -noreset' \
+    ctest --test-dir build/release -j "$jobs" --output-on-failure -LE long
+}
+
+stages=("$@")
+[ $# -gt 0 ] || stages=(setup format includes build lint tsan asan test)
+for name in "${stages[@]}"; do
+  if ! declare -F "stage_$name" >/dev/null; then
+    printf "test: unknown stage '%s'; the stages are setup format includes build lint tsan asan test.\n" "$name" >&2
+    exit 2
+  fi
+done
+
+for name in "${stages[@]}"; do
+  # The tests come last, so that CTest's summary closes the output: the rest is told before.
+  if [ "$name" = test ] && [ ${#summary[@]} -gt 0 ]; then
+    printf '\n'
+    printf '   %s\n' "${summary[@]}"
+  fi
+  find_demo_scan || true
+  if ! stage "$name"; then
+    # Without packages or a build the rest can only fail for the same reason.
+    case $name in setup | build) break ;; esac
+  fi
+done
+if [ ${#failed[@]} -gt 0 ]; then
+  printf 'test: failed: %s\n' "${failed[*]}" >&2
+  exit 1
+fi
