@@ -1,0 +1,101 @@
+#pragma once
+/// What one query reads and writes, shared by the methods of ContactFinder. Internal.
+///
+/// A method's job is to find which points may touch and to call `PointSink::offer` for each of
+/// them once; the leaf test there decides. Everything is sized when the finder is made.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/collision/contact_finder.h"
+#include "core/collision/leaf_test.h"
+#include "core/collision/shell_hierarchy.h"
+#include "core/voxels/voxel_tree_data.h"
+
+namespace palpate {
+
+/// A node of the shell against a node of the tree.
+struct NodePair {
+  std::uint32_t shell = 0;  ///< Node of shellLevel; a rank when that is kPointLevel.
+  std::uint32_t tree = 0;   ///< Node of treeLevel.
+  Item address{0, 0, 0};    ///< Of the tree's node, in nodes of its level.
+  std::int16_t shellLevel = 0;
+  std::int16_t treeLevel = 0;
+};
+inline constexpr std::int16_t kPointLevel = -1;
+
+/// A shell point in a node where descent was cut.
+struct CutPoint {
+  std::uint32_t node = 0;
+  std::uint32_t shellIndex = 0;
+  std::uint32_t rank = 0;
+};
+
+struct QueryWork {
+  const VoxelTree::Data* tree = nullptr;
+  const ShellHierarchy* shell = nullptr;
+  QueryOptions options;
+  int stopLevel = 0;  ///< Of the options, within the tree.
+
+  QueryPose pose;
+  double slack = 0.0;  ///< Metres added to every radius: more than rounding can err at this pose.
+  std::uint32_t tests = 0;
+
+  std::vector<Contact> hits;  ///< In the order of discovery.
+  std::vector<std::uint32_t> hitRank;
+  std::size_t hitCount = 0;
+  std::vector<CutPoint> cuts;
+  std::size_t cutCount = 0;
+
+  std::vector<std::uint32_t> frontier, nextFrontier;  ///< Hierarchy: nodes of one shell level.
+  std::vector<NodePair> pairs, nextPairs;             ///< Paper.
+  std::vector<std::uint64_t> present;                 ///< One bit a shell index.
+  std::vector<std::uint32_t> slotOf;                  ///< Shell index -> place in hits.
+};
+
+/// Takes candidate points to the leaf test. One per query.
+template <int Bits>
+class PointSink {
+ public:
+  explicit PointSink(QueryWork& work) noexcept : work_(work), leaf_(*work.tree) {}
+
+  void offer(std::uint32_t rank) noexcept {
+    double p[3];
+    work_.pose.apply(work_.shell->x[rank], work_.shell->y[rank], work_.shell->z[rank], p);
+    ++work_.tests;
+    if (work_.stopLevel > 0) return offerCut(rank, p);
+    Contact& contact = work_.hits[work_.hitCount];
+    if (!leaf_.evaluate(p, contact)) return;
+    contact.shellIndex = work_.shell->order[rank];
+    contact.body = 0;
+    work_.hitRank[work_.hitCount++] = rank;
+  }
+  /// The item that holds a point; false outside.
+  [[nodiscard]] bool itemOf(std::uint32_t rank, Item& item) const noexcept {
+    double p[3];
+    work_.pose.apply(work_.shell->x[rank], work_.shell->y[rank], work_.shell->z[rank], p);
+    return leaf_.locate(p, item);
+  }
+
+ private:
+  void offerCut(std::uint32_t rank, const double p[3]) noexcept {
+    Item item;
+    if (!leaf_.locate(p, item)) return;
+    const std::uint32_t node = findNode<Bits>(*work_.tree, item, work_.stopLevel);
+    if (node == kNoNode) return;
+    work_.cuts[work_.cutCount++] = {node, work_.shell->order[rank], rank};
+  }
+
+  QueryWork& work_;
+  LeafTest<Bits> leaf_;
+};
+
+template <int Bits>
+void runBruteForce(QueryWork& work) noexcept;
+template <int Bits>
+void runHierarchy(QueryWork& work) noexcept;
+template <int Bits>
+void runPaper(QueryWork& work) noexcept;
+
+}  // namespace palpate

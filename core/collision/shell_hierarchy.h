@@ -1,0 +1,49 @@
+#pragma once
+/// The hierarchy over a shell's points: an eight-ary tree of spheres without a pointer.
+///
+/// Points are put into an order in which every run of kGroup·8^j points is compact; such a run is
+/// the node of level j, so a node's points and children follow from its number alone: node i of
+/// level j holds ranks [i·kGroup·8^j, (i+1)·kGroup·8^j), its children are nodes 8i .. 8i+7 of
+/// level j−1. Only centres and radii are stored.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/collision/point_shell.h"
+
+namespace palpate {
+
+/// A sphere around some points, frame T, metres.
+struct ShellSphere {
+  double c[3] = {0, 0, 0};
+  double r = 0;
+};
+
+struct ShellHierarchy {
+  static constexpr std::size_t kGroup = 16;  ///< Points in a node of level 0.
+  static constexpr std::size_t kArity = 8;
+
+  std::vector<std::uint32_t> order;             ///< rank -> shell index
+  std::vector<double> x, y, z;                  ///< Points by rank, T, metres.
+  std::vector<std::vector<ShellSphere>> level;  ///< [0] groups .. back(): one root.
+
+  [[nodiscard]] std::size_t size() const noexcept { return order.size(); }
+  /// Points in one node of a level.
+  [[nodiscard]] static std::size_t pointsPerNode(std::size_t level) noexcept {
+    return kGroup << (3 * level);
+  }
+};
+
+/// Deterministic: same points, same hierarchy. At least one point.
+[[nodiscard]] ShellHierarchy buildShellHierarchy(const std::vector<Eigen::Vector3d>& points_T);
+
+/// What a PointShell owns.
+struct PointShell::Data {
+  std::vector<Eigen::Vector3d> points_T, normals_T;
+  double reach = 0.0;
+  ShellHierarchy hierarchy;
+};
+
+}  // namespace palpate
