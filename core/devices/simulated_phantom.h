@@ -1,6 +1,11 @@
 #pragma once
 /// A simulated Phantom in a simulated hand (haptics_facts.md §5): mass, damping, Coulomb friction,
 /// encoder steps, zero-order hold, one tick of latency, saturation; five-parameter hand.
+///
+/// Velocities are differences of encoder readings through a 100 Hz first-order filter, as a driver
+/// gives them. The seed moves the encoders' zero within a step and draws the hand's tremor (three
+/// sines of 8 to 12 Hz an axis, 0.05 mm together). Same seed, hand and wrenches: same bits.
+/// Not modelled: timing jitter, thermal derating, link kinematics.
 
 #include <cstdint>
 #include <memory>
@@ -15,12 +20,21 @@ namespace palpate {
 
 /// "touch" (Omni), "touch-x" (Desktop), "premium-6dof".
 [[nodiscard]] std::vector<std::string> simulatedModels();
+/// "up-down" (default), "left-right", "fore-aft", "soft", "stiff", "light", "none".
+[[nodiscard]] std::vector<std::string> simulatedGrips();
 
-/// `grip`: a hand set of haptics_facts.md §5: "up-down" (default), "left-right", "fore-aft",
-/// "soft", "stiff", "light", "none". Unknown names are refused with the list. Shared hand: the ui
-/// may keep it.
+/// For stability tests: what may differ from the model.
+struct SimulatedPhantomOptions {
+  double period = 1e-3;          ///< s between reads
+  std::uint32_t extraDelay = 0;  ///< Ticks of latency beyond the one, at most 30.
+  double frictionScale = 1.0;    ///< Of the Coulomb friction: 0 shows limit cycles it hides.
+  double tremor = 5e-5;          ///< m
+};
+
+/// `grip`: a hand set of haptics_facts.md §5. Unknown names are refused with the list. Shared hand:
+/// the ui may keep it.
 [[nodiscard]] Result<std::unique_ptr<HapticDevice>> makeSimulatedPhantom(
     const std::string& model, std::shared_ptr<Hand> hand, std::uint64_t seed,
-    const std::string& grip = "up-down");
+    const std::string& grip = "up-down", const SimulatedPhantomOptions& options = {});
 
 }  // namespace palpate

@@ -39,6 +39,17 @@ class HapticDevice {
   [[nodiscard]] virtual DeviceSample read(std::uint64_t tick) noexcept = 0;
   /// The wrench on the hand for this tick, in D.
   virtual void write(const Wrench& wrench_D) noexcept = 0;
+
+  /// True: the vendor's scheduler owns the clock; startServo() makes it call tick(owner) once a
+  /// period on its own thread, with read() and write() inside that call.
+  [[nodiscard]] virtual bool ownsClock() const noexcept { return false; }
+  [[nodiscard]] virtual Result<void> startServo(void (*tick)(void* owner) noexcept, void* owner) {
+    (void)tick;
+    (void)owner;
+    return fail(usageError("This device has no clock of its own."));
+  }
+  /// When it returns, tick is not called again and a zero wrench was sent.
+  virtual void stopServo() noexcept {}
 };
 
 }  // namespace palpate

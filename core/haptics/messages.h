@@ -33,6 +33,7 @@ enum DeviceStatus : std::uint32_t {
   kDeviceInvalidSample = 1,  ///< Not finite or not rigid: the last good pose is repeated.
   kDeviceLost = 2,           ///< The device no longer answers.
   kDeviceFault = 4,          ///< The vendor's library reports a fault.
+  kDeviceNotReady = 8,       ///< Calibrating: no pose to trust, so no force; not a fault.
 };
 
 /// What the simulation publishes after each step; the servo extrapolates it.

@@ -135,7 +135,8 @@ void SafetyGuard::advanceState(const Wrench& wanted, const Inputs& in) noexcept 
   free_ = in.inContact ? 0 : std::min(free_ + 1, limits_.freeTicks);
   if (in.forceOff) awaitRelease_ = true;
   if (!in.enabled) awaitRelease_ = false;
-  const bool enabled = in.enabled && !awaitRelease_ && !in.forceOff;
+  const bool ready = (in.deviceStatus & kDeviceNotReady) == 0;
+  const bool enabled = in.enabled && ready && !awaitRelease_ && !in.forceOff;
 
   const SafetyFault fault = faultOf(wanted, in);
   if (fault != SafetyFault::None) {

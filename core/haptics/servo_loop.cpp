@@ -46,8 +46,9 @@ DeviceSample ServoLoop::readDevice() noexcept {
   DeviceSample s = device_.read(tick_);
   s.index = tick_;
   s.t = static_cast<double>(tick_) * settings_.period;
-  if ((s.status & kDeviceLost) != 0 || !isRigid(s.pose) || !finite(s.v) || !finite(s.w)) {
-    if ((s.status & kDeviceLost) == 0) s.status |= kDeviceInvalidSample;
+  const bool absent = (s.status & (kDeviceLost | kDeviceNotReady)) != 0;
+  if (absent || !isRigid(s.pose) || !finite(s.v) || !finite(s.w)) {
+    if (!absent) s.status |= kDeviceInvalidSample;
     s.pose = lastGood_;
     for (int i = 0; i < 3; ++i) s.v[i] = s.w[i] = 0.0;
     return s;
