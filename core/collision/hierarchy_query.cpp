@@ -42,8 +42,11 @@ NodeMask<Bits> boxMask(const Item& lo, const Item& hi) noexcept {
 template <int Bits>
 class SphereProbe {
  public:
-  SphereProbe(const VoxelTree::Data& tree, const double centre[3], double radius) noexcept
+  /// @param stopLevel  nodes of this level answer for what is in them.
+  SphereProbe(const VoxelTree::Data& tree, int stopLevel, const double centre[3],
+              double radius) noexcept
       : tree_(tree),
+        lastLevel_(stopLevel + 1),
         radius2_(radius * radius),
         small_(kNodeShare * radius / tree.geometry.spacing.maxCoeff()) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -62,7 +65,8 @@ class SphereProbe {
 
   [[nodiscard]] bool touches(std::uint32_t& tests) noexcept {
     tests_ = 1;
-    const bool found = reaches_ && descend(tree_.levels, 0, {0, 0, 0});
+    const bool found =
+        reaches_ && (lastLevel_ > tree_.levels || descend(tree_.levels, 0, {0, 0, 0}));
     tests += tests_;
     return found;
   }
@@ -80,7 +84,7 @@ class SphereProbe {
     }
     const Mask mask = Mask::load(at.masks.data(), node);
     const Mask box = boxMask<Bits>(lo, hi);
-    const bool last = level == 1 || static_cast<double>(1 << shift) <= small_;
+    const bool last = level <= lastLevel_ || static_cast<double>(1 << shift) <= small_;
     for (std::size_t w = 0; w < Mask::kWords; ++w) {
       for (std::uint64_t bits = mask.word[w] & box.word[w]; bits != 0; bits &= bits - 1) {
         const int child = static_cast<int>(w * 64) + std::countr_zero(bits);
@@ -109,6 +113,7 @@ class SphereProbe {
   }
 
   const VoxelTree::Data& tree_;
+  int lastLevel_;
   double centre_[3];  // from the tree's origin, metres
   double spacing_[3];
   double radius2_;
@@ -132,7 +137,7 @@ void runHierarchy(QueryWork& work) noexcept {
       const ShellSphere& sphere = shell.level[l][node];
       double centre[3];
       work.pose.apply(sphere.c[0], sphere.c[1], sphere.c[2], centre);
-      SphereProbe<Bits> probe(*work.tree, centre, sphere.r + work.slack);
+      SphereProbe<Bits> probe(*work.tree, work.stopLevel, centre, sphere.r + work.slack);
       if (!probe.touches(work.tests)) continue;
       if (l == 0) {
         work.nextFrontier[next++] = node;

@@ -74,8 +74,9 @@ class PairDescent {
   // Centre and radius follow from the address, the level and, where tight, the mask.
   [[nodiscard]] Sphere treeSphere(const NodePair& p) const noexcept {
     NodeSphere relative;
-    if (p.treeLevel == 0) {
-      relative.radius = tree_.spheres.fullRadius(0);
+    if (p.treeLevel <= work_.stopLevel) {
+      // An item; or a node that stands for all of its box, since descent stops here.
+      relative.radius = tree_.spheres.fullRadius(p.treeLevel);
     } else {
       const TreeLevel& at = tree_.level[static_cast<std::size_t>(p.treeLevel)];
       relative = tree_.spheres.sphere(Mask::load(at.masks.data(), p.tree), p.treeLevel, kind_);

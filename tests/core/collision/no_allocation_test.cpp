@@ -1,0 +1,106 @@
+/// find() takes no memory: the global operator new of this program counts.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "core/collision/contact_finder.h"
+#include "tests/core/collision/oracle.h"
+#include "tests/core/voxels/test_volumes.h"
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* take(std::size_t size) {
+  ++allocations;
+  void* p = std::malloc(size == 0 ? 1 : size);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
+}
+void* takeAligned(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const auto a = static_cast<std::size_t>(alignment);
+  void* p = std::aligned_alloc(a, (size + a - 1) / a * a);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return take(size);
+}
+void* operator new[](std::size_t size) {
+  return take(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return takeAligned(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return takeAligned(size, alignment);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+
+namespace palpate {
+namespace {
+
+TEST(NoAllocation, AQueryTakesNoMemoryWhateverTheMethodAndOption) {
+  std::mt19937 rng(13);
+  const auto grid = testing_volumes::assortedGrids(13)[9].grid;
+  const Eigen::Vector3d middle = oracle::middleOf(grid.geometry);
+  const PointShell shell = oracle::randomShell(rng, 3000, 0.6 * middle);
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < 50; ++i) poses.push_back(oracle::randomPose(rng, middle, 5e-3));
+  std::vector<Contact> out(shell.size());
+  for (const LeafModel leaf : {LeafModel::Voxel, LeafModel::Distance}) {
+    const auto tree = VoxelTree::build(grid, {}, {Branching::Children8, leaf, false});
+    ASSERT_TRUE(tree);
+    for (const QueryMethod method :
+         {QueryMethod::Hierarchy, QueryMethod::Paper, QueryMethod::BruteForce}) {
+      for (const int stopLevel : {0, 2}) {
+        for (const std::uint32_t budget : {0xFFFFFFFFU, 50U}) {
+          QueryOptions options;
+          options.method = method;
+          options.stopLevel = stopLevel;
+          options.contactBudget = budget;
+          ContactFinder finder(*tree, shell, options);
+          std::size_t contacts = 0;
+          const long before = allocations.load();
+          for (const auto& X : poses) contacts += finder.find(X, out).contactCount;
+          EXPECT_EQ(allocations.load(), before);
+          EXPECT_GT(contacts, 0U);
+        }
+      }
+    }
+  }
+  const long before = allocations.load();
+  const std::vector<int> probe(10);
+  EXPECT_GT(allocations.load(), before) << "the count does not count";
+}
+
+}  // namespace
+}  // namespace palpate
