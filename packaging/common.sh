@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2034  # the scripts that source this use them
 # Sourced by run.sh and test.sh: where things are, and the build.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
