@@ -74,7 +74,7 @@ void readSetting(TomlTable& table, SimulationSetting& setting) {
     table.refuse("step_period_ms", "A step must last a whole number of servo periods of 1 ms.",
                  exactText(period_ms), "a whole number of ms");
   }
-  setting.stepPeriod = period_ms * 1e-3;
+  setting.stepPeriod = period_ms / 1e3;  // the nearest double, as a literal 0.003 is
   table.integer("contact_capacity", setting.contactCapacity, {1, 1000000});
   table.integer("solver_iterations", setting.solverIterations, {1, 100000});
   table.flag("friction", setting.friction);

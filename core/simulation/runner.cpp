@@ -2,11 +2,10 @@
 
 #include <semaphore.h>
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "core/simulation/bounded_queue.h"
@@ -82,6 +81,9 @@ class LoopRunner final : public Runner {
   void publishSnapshot() noexcept;
   void servoThread() noexcept;
   void stepThread() noexcept;
+  void dueTick(std::int64_t& due) noexcept;  ///< Books the lateness, ticks, wakes the simulation.
+  static void vendorTick(void* owner) noexcept;
+  [[nodiscard]] Result<void> startServo();
 
   std::shared_ptr<const PreparedScene> scene_;
   std::unique_ptr<HapticDevice> device_;
@@ -100,6 +102,8 @@ class LoopRunner final : public Runner {
   sem_t ticked_{};  ///< Posted after each tick of the real clock.
   std::atomic<bool> stopping_{false};
   std::thread servoThread_, stepThread_;
+  bool running_ = false;        ///< The two threads of the real clock.
+  std::int64_t vendorDue_ = 0;  ///< Vendor's servo thread.
   bool realTime_ = false;
   std::string realTimeNote_;
 };
@@ -158,13 +162,17 @@ Result<void> LoopRunner::runVirtual(double seconds, const Progress& progress) {
   if (options_.clock != Clock::Virtual) {
     return fail(usageError("The run was made for the real clock: start() it."));
   }
+  if (device_->ownsClock()) {
+    return fail(usageError("This device keeps its own time: run it in the real clock.")
+                    .butFound(device_->info().name));
+  }
   if (!std::isfinite(seconds) || seconds < 0.0) {
     return fail(usageError("A run lasts zero or more seconds."));
   }
   const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / kServoPeriod));
   const std::string what = "Simulating";
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    if (tick % kTicksPerSecond == 0) {
+    if (tick % (kTicksPerSecond / 4) == 0) {
       if (progress.cancelled()) return fail(cancelled());
       progress(static_cast<double>(tick) / static_cast<double>(ticks), what);
     }
@@ -177,22 +185,35 @@ Result<void> LoopRunner::runVirtual(double seconds, const Progress& progress) {
   return {};
 }
 
+void LoopRunner::dueTick(std::int64_t& due) noexcept {
+  const std::int64_t late = monotonicNow() - due;
+  servoStats_.woke(late);
+  if (late >= kServoPeriod_ns) {
+    const std::int64_t skipped = late / kServoPeriod_ns;
+    servoStats_.missed(static_cast<std::uint64_t>(skipped));
+    due += skipped * kServoPeriod_ns;
+  }
+  tickOnce();
+  ::sem_post(&ticked_);
+  due += kServoPeriod_ns;
+}
+
 void LoopRunner::servoThread() noexcept {
   touchStack();
   std::int64_t due = monotonicNow() + kServoPeriod_ns;
   while (!stopping_.load(std::memory_order_acquire)) {
     sleepUntil(due);
-    const std::int64_t late = monotonicNow() - due;
-    servoStats_.woke(late);
-    if (late >= kServoPeriod_ns) {
-      const std::int64_t skipped = late / kServoPeriod_ns;
-      servoStats_.missed(static_cast<std::uint64_t>(skipped));
-      due += skipped * kServoPeriod_ns;
-    }
-    tickOnce();
-    ::sem_post(&ticked_);
-    due += kServoPeriod_ns;
+    dueTick(due);
   }
+}
+
+// A vendor's scheduler keeps its own time: its first call sets the grid that lateness is told on,
+// and a call before its time moves the grid, as two clocks drift.
+void LoopRunner::vendorTick(void* owner) noexcept {
+  auto& self = *static_cast<LoopRunner*>(owner);
+  const std::int64_t now = monotonicNow();
+  if (self.vendorDue_ == 0 || now < self.vendorDue_) self.vendorDue_ = now;
+  self.dueTick(self.vendorDue_);
 }
 
 void LoopRunner::stepThread() noexcept {
@@ -216,7 +237,7 @@ Result<void> LoopRunner::start() {
   if (options_.clock != Clock::Real) {
     return fail(usageError("The run was made for the virtual clock: runVirtual() it."));
   }
-  if (servoThread_.joinable()) return {};
+  if (running_) return {};
   stopping_.store(false, std::memory_order_release);
   stepThread_ = std::thread([this] {
     LockedMemory own(this, sizeof(*this));
@@ -224,25 +245,41 @@ Result<void> LoopRunner::start() {
                           simulation_.contactMemory().size_bytes());
     stepThread();
   });
-  servoThread_ = std::thread([this] { servoThread(); });
+  running_ = true;
   realTimeNote_ = askForRealTime(stepThread_.native_handle(), kStepPriority);
-  const std::string servoNote = askForRealTime(servoThread_.native_handle(), kServoPriority);
-  if (!servoNote.empty()) realTimeNote_ = servoNote;
+  if (auto started = startServo(); !started) {
+    stop();
+    return started;
+  }
   realTime_ = realTimeNote_.empty();
   return {};
 }
 
+Result<void> LoopRunner::startServo() {
+  if (device_->ownsClock()) {
+    vendorDue_ = 0;
+    return device_->startServo(&LoopRunner::vendorTick, this);
+  }
+  servoThread_ = std::thread([this] { servoThread(); });
+  const std::string note = askForRealTime(servoThread_.native_handle(), kServoPriority);
+  if (!note.empty()) realTimeNote_ = note;
+  return {};
+}
+
 void LoopRunner::stop() noexcept {
+  if (!running_) return;
   stopping_.store(true, std::memory_order_release);
+  if (device_->ownsClock()) device_->stopServo();
   if (servoThread_.joinable()) servoThread_.join();
   ::sem_post(&ticked_);
   if (stepThread_.joinable()) stepThread_.join();
+  running_ = false;
   device_->write(Wrench{});
 }
 
 RunReport LoopRunner::report() const {
   RunReport report;
-  if (servoThread_.joinable()) {
+  if (running_) {
     const std::lock_guard<std::mutex> lock(reportMutex_);
     servoForReport_.refresh();
     stepForReport_.refresh();
