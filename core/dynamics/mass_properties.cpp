@@ -1,5 +1,6 @@
 #include "core/dynamics/mass_properties.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
