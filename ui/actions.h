@@ -1,0 +1,123 @@
+#pragma once
+/// What the user asked for in a frame. app/ carries it out.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "imaging/segmentation.h"
+#include "ui/model.h"
+
+namespace palpate::ui::act {
+
+struct ShowTask {
+  Task task;
+};
+struct OpenCase {
+  std::filesystem::path folder;
+};
+struct OpenDemo {};
+struct ForgetRecent {
+  std::filesystem::path folder;
+};
+struct Browse {
+  std::filesystem::path folder;
+};
+/// Lists the series and imports the only one, or shows them to choose from.
+struct Import {
+  std::filesystem::path path;
+};
+struct ImportSeries {
+  std::filesystem::path path;
+  std::string uid;
+};
+struct CloseSeriesList {};
+struct CancelJob {};
+struct DismissMessage {
+  std::size_t index;
+};
+
+struct Segment {
+  SegmentRequest request;
+  std::string label;
+  std::array<std::uint8_t, 3> colour;
+  std::string material;
+};
+struct DeleteLabel {
+  std::uint8_t value;
+};
+struct ShowLabel {
+  std::uint8_t value;
+  bool visible;
+};
+struct Undo {};
+
+struct ChooseInstrument {
+  std::size_t index;
+};
+struct ChooseDevice {
+  std::size_t index;
+};
+struct ChooseHand {
+  HandKind hand;
+};
+struct Latch {
+  bool on;
+};
+struct StartStop {};
+struct Record {};
+struct ResetTool {};
+struct ForceOff {};
+struct ClearFault {};
+struct Arm {
+  bool on;
+};  ///< Hold-to-enable: sent when it changes.
+struct Grab {
+  bool on;
+};  ///< The mouse takes or lets go of the instrument.
+/// World motion of the simulated hand, metres.
+struct MoveHand {
+  Eigen::Vector3d delta_W;
+};
+struct TurnHand {
+  Eigen::Vector3d rotation_W;
+};  ///< Rotation vector, rad.
+struct SolverIterations {
+  std::uint32_t count;
+};
+
+struct RefreshSessions {};
+struct ChooseSession {
+  std::size_t index;
+};
+struct Replay {};
+struct PlayPause {};
+struct Scrub {
+  double at_s;
+};
+
+struct SwitchTheme {};
+struct CloseAnyway {};
+struct StayOpen {};
+
+}  // namespace palpate::ui::act
+
+namespace palpate::ui {
+
+using Action =
+    std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
+                 act::Import, act::ImportSeries, act::CloseSeriesList, act::CancelJob,
+                 act::DismissMessage, act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo,
+                 act::ChooseInstrument, act::ChooseDevice, act::ChooseHand, act::Latch,
+                 act::StartStop, act::Record, act::ResetTool, act::ForceOff, act::ClearFault,
+                 act::Arm, act::Grab, act::MoveHand, act::TurnHand, act::SolverIterations,
+                 act::RefreshSessions, act::ChooseSession, act::Replay, act::PlayPause, act::Scrub,
+                 act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
+using Actions = std::vector<Action>;
+
+}  // namespace palpate::ui

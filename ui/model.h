@@ -1,0 +1,154 @@
+#pragma once
+/// What the window shows, as plain values. app/ fills it before each frame; ui/ only reads it and
+/// answers with actions (ui/actions.h).
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/haptics/device.h"
+#include "core/simulation/runner.h"
+#include "core/simulation/snapshot.h"
+#include "imaging/segmentation.h"
+
+namespace palpate::ui {
+
+enum class Task : std::uint8_t { Library, Segment, Simulate, Review };
+inline constexpr std::size_t kTasks = 4;
+
+/// Work that goes on in the background. Shown with a bar and Cancel.
+struct JobModel {
+  bool active = false;
+  std::string title;      ///< "Importing the scan"
+  std::string what;       ///< "Reading slice 41 of 108"
+  double fraction = 0.0;  ///< [0, 1]; below 0: unknown
+  bool cancellable = true;
+};
+
+/// What happened, what it means for the data, what to do.
+struct MessageModel {
+  enum class Kind : std::uint8_t { Information, Warning, Problem } kind = Kind::Information;
+  std::string happened, meaning, advice;
+};
+
+struct CaseModel {
+  bool open = false;
+  std::filesystem::path folder;
+  std::string title, modality, geometry;  ///< "Case-7F3A", "CT", "0.96 × 0.96 × 1.50 mm"
+  std::string source;                     ///< "InVesalius, 256 × 256 × 108"
+  std::vector<std::string> warnings, repairs;
+  bool lossy = false;
+  std::vector<float> histogram;  ///< Even bins over valueRange, heights 0..1 (log).
+  std::array<double, 2> valueRange{0, 0};
+};
+
+struct RecentCase {
+  std::filesystem::path folder;
+  std::string title, detail;
+};
+
+struct SeriesRow {
+  std::string uid, title, detail;
+  bool importable = false;
+  std::string reason;
+};
+
+struct DirectoryRow {
+  std::string name;
+  bool folder = false;
+};
+
+struct LibraryModel {
+  std::vector<RecentCase> recent;
+  bool demoAvailable = false;
+  std::string path;                 ///< What the path field holds.
+  std::filesystem::path directory;  ///< The browser's folder.
+  std::vector<DirectoryRow> entries;
+  std::vector<SeriesRow> series;  ///< Not empty: several volumes, choose one.
+  std::filesystem::path seriesPath;
+};
+
+struct LabelRow {
+  std::string name;
+  std::uint8_t value = 0;
+  std::array<std::uint8_t, 3> colour{};
+  std::size_t voxels = 0;
+  double mm3 = 0.0;
+  bool visible = true;
+};
+
+struct SegmentModel {
+  std::vector<LabelRow> labels;
+  std::string undo;  ///< What undo would take back; empty: nothing.
+};
+
+struct InstrumentRow {
+  std::string name, title, description;
+  double length_mm = 0, width_mm = 0, mass_g = 0;
+  std::vector<std::array<float, 2>> outline;  ///< Half-profile: along the shaft, radius; mm.
+};
+
+enum class HandKind : std::uint8_t { Mouse, Demo };
+
+struct SimulateModel {
+  std::vector<InstrumentRow> instruments;
+  std::size_t instrument = 0;
+  std::vector<std::string> devices;  ///< Simulated models.
+  std::size_t device = 0;
+  HandKind hand = HandKind::Mouse;
+  bool latch = false;    ///< Arm stays on until pressed again. Simulated devices only.
+  bool ready = false;    ///< The scene is prepared.
+  std::string notReady;  ///< Why not: a sentence.
+  bool running = false, armed = false, recording = false;
+  bool grabbed = false;  ///< The mouse holds the instrument.
+  double recordedSeconds = 0;
+  DeviceInfo info;          ///< Of the chosen device.
+  std::string tree, shell;  ///< "4 levels, 123 456 surface voxels", "1 204 points, 0.5 mm"
+  SimulationSetting setting;
+  std::string accuracy;  ///< "±0.12 mm ±0.05 N"; empty: not measured for this scene.
+  bool realTime = false;
+  std::string realTimeNote;
+};
+
+struct SessionRow {
+  std::filesystem::path file;
+  std::string title, detail;
+  bool exact = true, finished = true;
+};
+
+struct ReviewModel {
+  std::vector<SessionRow> sessions;
+  std::optional<std::size_t> chosen;
+  std::vector<float> time_s, force_N, depth_mm;
+  double duration_s = 0, at_s = 0;
+  bool playing = false;
+  enum class Verdict : std::uint8_t { None, Identical, Different } verdict = Verdict::None;
+  std::string verdictText;
+};
+
+enum class DeviceHealth : std::uint8_t { Good, Late, Fault };
+
+struct Model {
+  Task task = Task::Library;
+  CaseModel openCase;
+  LibraryModel library;
+  SegmentModel segment;
+  /// Ranges of the presets that fit the open case's modality, in their order.
+  std::vector<ThresholdRange> presetRanges;
+  SimulateModel simulate;
+  ReviewModel review;
+  JobModel job;
+  std::vector<MessageModel> messages;
+  /// What the simulation (or a replay) shows; null: nothing runs.
+  const Snapshot* snapshot = nullptr;
+  std::vector<float> forceTrace;  ///< Newest last, N; for the strip.
+  bool hideTimes = false;         ///< Wall times show as dashes (pictures must not differ).
+  DeviceHealth health = DeviceHealth::Good;
+  std::string healthSentence;
+  bool askClose = false;  ///< A recording would be lost: ask.
+};
+
+}  // namespace palpate::ui

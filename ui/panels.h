@@ -1,0 +1,42 @@
+#pragma once
+/// The four task panels, and what lies over everything. Each reads the model and pushes actions;
+/// what a panel remembers between frames (text being typed, sliders) is its own state struct.
+
+#include <string>
+
+#include "ui/model.h"
+#include "ui/view_state.h"
+#include "ui/widgets.h"
+
+namespace palpate::ui {
+
+struct LibraryPanelState {
+  std::string path;
+  bool browsing = false;
+};
+struct SegmentPanelState {
+  std::size_t preset = 0;
+  float low = 226, high = 3071;
+  bool largest = false, previewing = false;
+  float minMm3 = 0;
+  std::string name = "bone";
+  std::filesystem::path initialisedFor;
+};
+
+void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelState& state);
+void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
+                      ViewState& views);
+void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);
+void drawReviewPanel(const Painter& paint, const Model& model);
+
+/// "What to do next", where there is no case.
+void drawEmptyCase(const Painter& paint, const Model& model);
+
+/// The job's card, messages and questions over the views; the list of shortcuts when `help`.
+void drawJob(const Painter& paint, const Rect& area, const JobModel& job);
+void drawMessages(const Painter& paint, const Rect& area,
+                  const std::vector<MessageModel>& messages);
+void drawShortcuts(const Painter& paint, const Rect& window, bool& help);
+void drawCloseQuestion(const Painter& paint, const Rect& window);
+
+}  // namespace palpate::ui

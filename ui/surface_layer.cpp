@@ -1,0 +1,65 @@
+#include "ui/surface_layer.h"
+
+#include "ui/gl_api.h"
+
+namespace palpate::ui {
+
+void SurfaceLayer::setLabel(std::uint8_t value, const std::vector<SurfaceChunk>& chunks,
+                            const Eigen::Vector3d& origin_mm) {
+  Label& label = labels_[value];
+  label.chunks.clear();
+  std::vector<float> interleaved;
+  for (const SurfaceChunk& chunk : chunks) {
+    if (chunk.triangles.empty()) continue;
+    interleaved.clear();
+    interleaved.reserve(chunk.vertices_mm.size() * 2);
+    for (std::size_t v = 0; v + 2 < chunk.vertices_mm.size(); v += 3) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        interleaved.push_back(static_cast<float>(static_cast<double>(chunk.vertices_mm[v + c]) -
+                                                 origin_mm[static_cast<Eigen::Index>(c)]));
+      }
+      for (std::size_t c = 0; c < 3; ++c) interleaved.push_back(chunk.normals[v + c]);
+    }
+    label.chunks.push_back(makeMesh(interleaved, chunk.triangles));
+  }
+  ++version_;
+}
+
+void SurfaceLayer::clear() {
+  labels_.clear();
+  ++version_;
+}
+
+void SurfaceLayer::setRows(const std::vector<LabelRow>& rows) {
+  for (auto& [value, label] : labels_) label.visible = false;
+  for (const LabelRow& row : rows) {
+    const auto found = labels_.find(row.value);
+    if (found == labels_.end()) continue;
+    found->second.visible = row.visible;
+    found->second.colour = Eigen::Vector3f(static_cast<float>(row.colour[0]) / 255.0F,
+                                           static_cast<float>(row.colour[1]) / 255.0F,
+                                           static_cast<float>(row.colour[2]) / 255.0F);
+  }
+  ++version_;
+}
+
+void SurfaceLayer::draw(const GlProgram& program) const {
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  for (const auto& [value, label] : labels_) {
+    if (!label.visible) continue;
+    program.set("baseColour", label.colour);
+    for (const GlMesh& chunk : label.chunks) drawMesh(chunk);
+  }
+  glDisable(GL_DEPTH_TEST);
+}
+
+std::size_t SurfaceLayer::triangles() const noexcept {
+  std::size_t sum = 0;
+  for (const auto& [value, label] : labels_) {
+    for (const GlMesh& chunk : label.chunks) sum += static_cast<std::size_t>(chunk.indexCount) / 3;
+  }
+  return sum;
+}
+
+}  // namespace palpate::ui

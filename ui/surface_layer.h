@@ -1,0 +1,38 @@
+#pragma once
+/// The anatomy's surface in the 3D view: chunks of triangles, by label.
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "imaging/surface.h"
+#include "ui/gl_objects.h"
+#include "ui/model.h"
+
+namespace palpate::ui {
+
+class SurfaceLayer {
+ public:
+  /// Replaces a label's chunks. Vertices are stored minus `origin_mm`.
+  void setLabel(std::uint8_t value, const std::vector<SurfaceChunk>& chunks,
+                const Eigen::Vector3d& origin_mm);
+  void clear();
+  void setRows(const std::vector<LabelRow>& rows);
+  /// With the program of mesh.vert + anatomy.frag in use and its matrices set.
+  void draw(const GlProgram& program) const;
+
+  [[nodiscard]] bool empty() const noexcept { return labels_.empty(); }
+  [[nodiscard]] std::size_t triangles() const noexcept;
+  [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
+
+ private:
+  struct Label {
+    std::vector<GlMesh> chunks;
+    Eigen::Vector3f colour{0.89F, 0.83F, 0.69F};
+    bool visible = true;
+  };
+  std::map<std::uint8_t, Label> labels_;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace palpate::ui

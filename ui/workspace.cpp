@@ -1,0 +1,294 @@
+#include "ui/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/units.h"
+#include "ui/header.h"
+#include "ui/icons.h"
+#include "ui/scene_overlay.h"
+#include "ui/strip.h"
+
+namespace palpate::ui {
+
+Result<std::unique_ptr<Workspace>> Workspace::load(const std::filesystem::path& shaders) {
+  std::unique_ptr<Workspace> self(new Workspace);
+  auto scene = SceneView::load(shaders);
+  if (!scene) return fail(scene.error());
+  self->scene_ = std::move(*scene);
+  auto slice = GlProgram::load(shaders, "fullscreen.vert", "slice.frag");
+  if (!slice) return fail(slice.error());
+  self->sliceProgram_ = std::move(*slice);
+  return self;
+}
+
+void Workspace::showVolume(const Volume& volume) {
+  textures_.setVolume(volume);
+  modality_ = volume.modality;
+  const Rect& area = layout_.view[0];
+  const double aspect = area.h > 0.0F ? static_cast<double>(area.w / area.h) : 1.0;
+  resetViews(state_, volume, aspect);
+  scene_->setOrigin(state_.camera.target_mm);
+  scene_->volume().setTransfer(transferFor(modality_, state_.window));
+  scene_->surface().clear();
+}
+
+void Workspace::showLabels(const LabelGrid* labels) {
+  if (labels == nullptr) {
+    textures_.dropLabels();
+  } else {
+    textures_.setLabels(*labels);
+  }
+}
+
+void Workspace::showRows(const std::vector<LabelRow>& rows) {
+  textures_.setPalette(rows);
+  scene_->surface().setRows(rows);
+}
+
+void Workspace::showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks) {
+  scene_->surface().setLabel(label, chunks, scene_->origin_mm());
+}
+
+void Workspace::clearSurfaces() {
+  scene_->surface().clear();
+}
+
+void Workspace::showInstrument(const Instrument& instrument) {
+  instrument_ = instrument.mesh_T;
+  scene_->tool().setInstrument(instrument);
+}
+
+void Workspace::clearCase() {
+  textures_.clear();
+  scene_->surface().clear();
+}
+
+int Workspace::picturesMade() const {
+  int sum = scene_->rendered();
+  for (const SliceView& slice : slices_) sum += slice.rendered();
+  return sum;
+}
+
+void Workspace::centreOn(const Eigen::Vector3d& p_P) {
+  state_.camera.target_mm = p_P * kMillimetresPerMetre;
+  state_.camera.distance_mm = std::min(state_.camera.distance_mm, 260.0);
+  state_.crosshair_P = p_P;
+}
+
+void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
+  for (const std::string& key : window.takeKeys()) {
+    if (key == "escape") {
+      // Force off first and always; the rest is only the view's.
+      actions.push_back(act::ForceOff{});
+      if (model.simulate.grabbed) actions.push_back(act::Grab{false});
+      help_ = false;
+      fill(std::nullopt);
+    } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '4') {
+      actions.push_back(act::ShowTask{static_cast<Task>(key[0] - '1')});
+    } else if (key == "space") {
+      actions.push_back(act::StartStop{});
+    } else if (key == "r") {
+      actions.push_back(act::Record{});
+    } else if (key == "g") {
+      actions.push_back(act::Grab{!model.simulate.grabbed});
+    } else if (key == "f" && model.snapshot != nullptr) {
+      centreOn(position(model.snapshot->tool));
+    } else if (key == "v") {
+      state_.volumeRendering = !state_.volumeRendering;
+    } else if (key == "?") {
+      help_ = !help_;
+    }
+  }
+  const bool arm = window.keyHeld("a") && !ImGui::GetIO().WantTextInput && !model.simulate.latch;
+  if (arm != armKey_) actions.push_back(act::Arm{arm});
+  armKey_ = arm;
+}
+
+PlacedMesh Workspace::placedTool(const Model& model) const {
+  PlacedMesh placed;
+  if (model.snapshot == nullptr || instrument_.triangles.empty()) return placed;
+  placed.vertices_T = &instrument_.vertices;
+  placed.triangles = &instrument_.triangles;
+  placed.X_PT = isometry(model.snapshot->tool);
+  return placed;
+}
+
+void Workspace::drawPanel(const Painter& paint, const Model& model) {
+  const Rect& area = layout_.panel;
+  if (area.w < 1.0F || area.h < 1.0F) return;
+  ImGui::GetWindowDrawList()->AddRectFilled({area.x, area.y}, {area.right(), area.bottom()},
+                                            packed(paint.theme.panel));
+  ImGui::SetCursorScreenPos({area.x, area.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
+                      {paint.px(Measures::kPadding), paint.px(Measures::kPadding)});
+  // A child of its own for each task: each keeps its place when scrolled.
+  ImGui::BeginChild(taskName(model.task), {area.w, area.h}, false,
+                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoBackground);
+  ImGui::PopStyleVar();
+  if (model.task != Task::Segment) state_.preview.reset();
+  switch (model.task) {
+    case Task::Library:
+      drawLibraryPanel(paint, model, library_);
+      break;
+    case Task::Segment:
+      drawSegmentPanel(paint, model, segment_, state_);
+      break;
+    case Task::Simulate:
+      drawSimulatePanel(paint, model, spaceHolds_);
+      break;
+    case Task::Review:
+      drawReviewPanel(paint, model);
+      break;
+  }
+  ImGui::EndChild();
+}
+
+void Workspace::drawEmptyScene(const Painter& paint, const Rect& area, const Model& model) const {
+  if (model.openCase.open &&
+      (!scene_->surface().empty() || model.job.active || state_.volumeRendering)) {
+    return;
+  }
+  const std::string title = model.openCase.open ? "Nothing is labelled yet" : "No case is open";
+  const std::string advice = model.openCase.open
+                                 ? "Segment bone or tissue to see it here and to feel it."
+                                 : "Open the demo or import a scan in the Library.";
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  float y = area.y + 0.5F * area.h - paint.px(24.0F);
+  for (const auto& [font, text, colour] :
+       {std::tuple{paint.fonts.heading, title, paint.theme.text},
+        std::tuple{paint.fonts.body, advice, paint.theme.secondary}}) {
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6F, 0.0F, text.c_str());
+    list->AddText(font, font->FontSize,
+                  {std::round(area.x + 0.5F * (area.w - size.x)), std::round(y)}, packed(colour),
+                  text.c_str());
+    y += size.y + paint.px(8.0F);
+  }
+}
+
+void Workspace::drawSceneTools(const Painter& paint, const Rect& area, const Model& model) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float inset = paint.px(10.0F);
+  ImFont* small = paint.fonts.secondary;
+  const char* what = !model.openCase.open        ? ""
+                     : state_.volumeRendering    ? "Volume rendering"
+                     : scene_->surface().empty() ? ""
+                                                 : "Surface";
+  list->AddText(small, small->FontSize, {area.x + inset, area.y + inset},
+                packed(paint.theme.secondary), what);
+  const float side = paint.px(28.0F);
+  float x = area.right() - inset - side;
+  const auto place = [&] {
+    ImGui::SetCursorScreenPos({x, area.y + paint.px(6.0F)});
+    x -= side + paint.px(4.0F);
+  };
+  place();
+  const bool filled = state_.filled.has_value();
+  if (iconButton(paint, filled ? icon::kCompress : icon::kExpand,
+                 filled ? "Smaller (Esc)" : "Fill the window")) {
+    fill(filled ? std::nullopt : std::optional(View::Scene));
+  }
+  place();
+  if (iconButton(paint, icon::kSun, "Light or dark")) paint.actions.push_back(act::SwitchTheme{});
+  place();
+  if (iconButton(paint, icon::kCrosshair, "Centre on the instrument (F)", false,
+                 model.snapshot != nullptr)) {
+    centreOn(position(model.snapshot->tool));
+  }
+  place();
+  if (iconButton(paint, icon::kCube, "Volume rendering (V)", state_.volumeRendering,
+                 textures_.loaded())) {
+    state_.volumeRendering = !state_.volumeRendering;
+  }
+  if (textures_.loaded()) {
+    const float r = paint.px(30.0F);
+    drawOrientationCube(*list, state_.camera,
+                        {area.x + inset + 1.25F * r, area.bottom() - inset - 1.25F * r}, r,
+                        paint.theme, small);
+  }
+}
+
+void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift,
+                          double now, bool patient) {
+  ImGui::SetCursorScreenPos({area.x, area.y});
+  ImGui::SetItemAllowOverlap();
+  ImGui::InvisibleButton("scene", {std::max(1.0F, area.w), std::max(1.0F, area.h)},
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
+  ImGui::SetItemAllowOverlap();
+  paint.note("3D view");
+  const bool mouseHand =
+      model.simulate.running && model.simulate.hand == HandKind::Mouse && model.snapshot != nullptr;
+  const bool holding = mouseHand && (model.simulate.grabbed || shift);
+  if (interactWithScene(state_.camera, area, holding, paint.actions)) {
+    fill(state_.filled ? std::nullopt : std::optional(View::Scene));
+  }
+  scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
+  if (holding) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    ImGui::GetWindowDrawList()->AddRect({area.x + 1, area.y + 1},
+                                        {area.right() - 1, area.bottom() - 1},
+                                        packed(paint.theme.accent, 0.8F), 0.0F, 0, paint.px(2.0F));
+  }
+  drawEmptyScene(paint, area, model);
+  drawSceneTools(paint, area, model);
+}
+
+void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, double now,
+                          bool patient) {
+  const auto shown = [this](View view) { return !state_.filled || *state_.filled == view; };
+  if (shown(View::Scene)) {
+    drawScene(paint, layout_.view[0], model, shift, now, patient);
+  }
+  // Slices follow the tip only while the mouse or the demo moves it, and not in between steps.
+  if (model.snapshot != nullptr && state_.followTool && model.snapshot->step != followedStep_ &&
+      !ImGui::IsMouseDown(0)) {
+    followedStep_ = model.snapshot->step;
+    state_.crosshair_P = position(model.snapshot->tool);
+  }
+  const PlacedMesh tool = placedTool(model);
+  for (std::size_t i = 0; i < slices_.size(); ++i) {
+    const auto view = static_cast<View>(i + 1);
+    if (!shown(view)) continue;
+    if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool, model.snapshot,
+                        paint.theme, paint.fonts.secondary, paint.scale)) {
+      fill(state_.filled ? std::nullopt : std::optional(view));
+    }
+  }
+}
+
+Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {
+  Actions actions;
+  items_.clear();
+  readKeys(window, model, actions);
+  const auto width = static_cast<float>(window.width());
+  const auto height = static_cast<float>(window.height());
+  layout_ = computeLayout(width, height, window.scale(), state_.filled);
+  const Painter paint{window.theme(), window.fonts(), window.scale(), actions, items_};
+
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0F);
+  ImGui::Begin("Palpate", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PopStyleVar(2);
+  drawViews(paint, model, window.keyHeld("shift"), now, patient);
+  if (!state_.filled) drawPanel(paint, model);
+  drawHeader(paint, layout_.header, model);
+  drawStrip(paint, layout_.strip, model);
+  ImGui::End();
+
+  const Rect& middle =
+      state_.filled ? layout_.view[static_cast<std::size_t>(*state_.filled)] : layout_.view[0];
+  drawJob(paint, middle, model.job);
+  drawMessages(paint, middle, model.messages);
+  const Rect whole{0, 0, width, height};
+  drawShortcuts(paint, whole, help_);
+  if (model.askClose) drawCloseQuestion(paint, whole);
+  return actions;
+}
+
+}  // namespace palpate::ui

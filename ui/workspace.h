@@ -1,0 +1,82 @@
+#pragma once
+/// The whole window: header, panel, views, strip, cards, shortcuts. app/ owns one, gives it the
+/// case's data when they change and a Model every frame, and carries out the actions.
+///
+/// Main thread, OpenGL context current; destroyed before the Window.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/scene/instrument.h"
+#include "core/voxels/label_grid.h"
+#include "imaging/surface.h"
+#include "imaging/volume.h"
+#include "ui/actions.h"
+#include "ui/panels.h"
+#include "ui/scene_view.h"
+#include "ui/slice_view.h"
+#include "ui/view_state.h"
+#include "ui/volume_textures.h"
+#include "ui/window.h"
+
+namespace palpate::ui {
+
+class Workspace {
+ public:
+  /// Compiles the shaders; refuses a folder without them.
+  [[nodiscard]] static Result<std::unique_ptr<Workspace>> load(
+      const std::filesystem::path& shaders);
+
+  void showVolume(const Volume& volume);
+  void showLabels(const LabelGrid* labels);  ///< Null: none.
+  void showRows(const std::vector<LabelRow>& rows);
+  void showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks);
+  void clearSurfaces();
+  void showInstrument(const Instrument& instrument);
+  void clearCase();
+
+  /// Draws a frame (between beginFrame and endFrame). `now`: seconds, monotonic; `patient` false:
+  /// every picture complete at once.
+  [[nodiscard]] Actions draw(Window& window, const Model& model, double now, bool patient);
+
+  /// A picture is still being made or a key moves something: draw again soon.
+  [[nodiscard]] bool busy() const { return scene_->refining(); }
+  [[nodiscard]] ViewState& views() noexcept { return state_; }
+  [[nodiscard]] const std::map<std::string, Rect>& items() const noexcept { return items_; }
+  [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
+  /// Pictures of anatomy and slices made so far; does not grow while nothing changes.
+  [[nodiscard]] int picturesMade() const;
+  /// Centres the 3D view and the slices on a point of the patient, metres.
+  void centreOn(const Eigen::Vector3d& p_P);
+
+ private:
+  Workspace()
+      : slices_{SliceView(View::Axial), SliceView(View::Coronal), SliceView(View::Sagittal)} {}
+  void readKeys(Window& window, const Model& model, Actions& actions);
+  void drawPanel(const Painter& paint, const Model& model);
+  void drawViews(const Painter& paint, const Model& model, bool shift, double now, bool patient);
+  void drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift, double now,
+                 bool patient);
+  void drawSceneTools(const Painter& paint, const Rect& area, const Model& model);
+  void drawEmptyScene(const Painter& paint, const Rect& area, const Model& model) const;
+  [[nodiscard]] PlacedMesh placedTool(const Model& model) const;
+  void fill(std::optional<View> view) { state_.filled = view; }
+
+  VolumeTextures textures_;
+  std::unique_ptr<SceneView> scene_;
+  std::array<SliceView, 3> slices_;
+  GlProgram sliceProgram_;
+  ViewState state_;
+  Layout layout_;
+  LibraryPanelState library_;
+  SegmentPanelState segment_;
+  TriangleMesh instrument_;
+  bool spaceHolds_ = false, armKey_ = false, help_ = false;
+  std::string modality_;
+  std::uint64_t followedStep_ = 0;
+  std::map<std::string, Rect> items_;
+};
+
+}  // namespace palpate::ui
