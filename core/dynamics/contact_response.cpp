@@ -41,7 +41,8 @@ struct ActiveContact {
   Eigen::Vector3d r;  // from the centre of mass
   Eigen::Vector3d n;
   double depth = 0.0;
-  double push = 0.0;  // m of position correction wanted
+  double push = 0.0;    // m of position correction wanted
+  double inward = 0.0;  // m/s it may approach: to the allowed depth within the step
   double normalImpulse = 0.0;
   double tangentImpulse2 = 0.0;  // squared length
   double friction = 0.0;
@@ -132,12 +133,19 @@ class Response {
     middle_ = 0.5 * (low + high);
   }
 
+  /// A contact shallower than the allowed depth may sink to it: a resting or sliding tool then
+  /// stays in contact, instead of hopping off and back.
+  double inwardOf(double depth) const noexcept {
+    return std::max(0.0, settings_.allowedDepth - depth) / h_;
+  }
+
   void add(std::uint32_t index) noexcept {
     const Contact& c = contacts_[index];
     ActiveContact& a = active_[count_];
     a.r = Eigen::Vector3d(c.p[0], c.p[1], c.p[2]) - body_.p_WC;
     a.n = normalOf(c);
     a.depth = c.depth;
+    a.inward = inwardOf(c.depth);
     const SurfaceMaterial& m = materials_[c.label];
     a.friction = settings_.friction ? std::max(0.0, m.friction) : 0.0;
     a.restitution = std::clamp(m.restitution, 0.0, 1.0);
@@ -198,11 +206,12 @@ class Response {
       const Contact& c = contacts_[i];
       const Eigen::Vector3d p(c.p[0], c.p[1], c.p[2]);
       const double un = normalOf(c).dot(base + w.cross(p));
-      if (!(un < -kCheckFactor * settings_.tolerance) || !isFinite(c)) continue;
+      const double excess = un + inwardOf(c.depth);
+      if (!(excess < -kCheckFactor * settings_.tolerance) || !isFinite(c)) continue;
       const std::size_t b = bucketOf(c);
-      if (bucket_[b] == kNone || un < bucketValue_[b]) {
+      if (bucket_[b] == kNone || excess < bucketValue_[b]) {
         bucket_[b] = i;
-        bucketValue_[b] = un;
+        bucketValue_[b] = excess;
         any = true;
       }
     }
@@ -241,8 +250,8 @@ class Response {
 
   /// Brings the contact to rest (and bounce) in one impulse, if Coulomb's cone and the energy
   /// allow.
-  bool stick(ActiveContact& a, const Eigen::Vector3d& u, double un, double e) noexcept {
-    const Eigen::Vector3d dj = a.Kinverse * (-e * un * a.n - u);
+  bool stick(ActiveContact& a, const Eigen::Vector3d& u, double after) noexcept {
+    const Eigen::Vector3d dj = a.Kinverse * (after * a.n - u);
     const Eigen::Vector3d j = a.impulse + dj;
     const double jn = a.n.dot(j);
     if (jn < 0.0) return false;
@@ -269,15 +278,16 @@ class Response {
   void approach(ActiveContact& a, const Eigen::Vector3d& u, double un) noexcept {
     const double e = un < -settings_.restitutionSpeed ? a.restitution : 0.0;
     if (e > 0.0) a.bounced = true;
-    if (a.friction > 0.0 && stick(a, u, un, e)) return;
-    apply(a, (-(1.0 + e) * un / a.Kn) * a.n);
+    const double after = e > 0.0 ? -e * un : -a.inward;
+    if (a.friction > 0.0 && stick(a, u, after)) return;
+    apply(a, ((after - un) / a.Kn) * a.n);
     slide(a);
   }
 
   /// Later impulses made part of this one needless: takes it back, down to what its friction needs.
   [[nodiscard]] static double needless(const ActiveContact& a, double un) noexcept {
     const double held = a.friction > 0.0 ? std::sqrt(a.tangentImpulse2) / a.friction : 0.0;
-    return std::min(a.normalImpulse - held, un / a.Kn);
+    return std::min(a.normalImpulse - held, (un + a.inward) / a.Kn);
   }
 
   void resolveVelocity() noexcept {
@@ -291,7 +301,7 @@ class Response {
         ActiveContact& a = active_[order_[k]];
         const Eigen::Vector3d u = velocityAt(a);
         const double un = a.n.dot(u);
-        if (un < -tolerance) {
+        if (un < -a.inward - tolerance) {
           if (out_.iterations >= settings_.iterations) {
             out_.capReached = true;
             return;
@@ -322,7 +332,7 @@ class Response {
   void considerPolish(ActiveContact& a, const Eigen::Vector3d& u, double un, ActiveContact*& best,
                       double& gain, bool& slides) const noexcept {
     const double enough = kPolishFactor * settings_.tolerance;
-    if (un > enough) {
+    if (un + a.inward > enough) {
       const double g = needless(a, un) * a.Kn;
       if (g > enough && g > gain) {
         best = &a;

@@ -44,7 +44,7 @@ struct ResponseSettings {
   double pushFraction = 0.3;       ///< Of the remaining depth, removed a step.
   double pushSpeed = 0.1;          ///< m/s: depth is never removed faster than this.
   double restitutionSpeed = 0.02;  ///< m/s: slower approaches do not bounce (no buzzing at rest).
-  double tolerance = 1e-6;         ///< m/s: approach or slip below this counts as none.
+  double tolerance = 1e-5;         ///< m/s: approach or slip below this counts as none.
 };
 
 /// What moves: where its centre is, its twist, and how it answers an impulse. For a free body

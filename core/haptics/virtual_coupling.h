@@ -13,7 +13,12 @@ struct CouplingGains {
   double dampingR = 8e-4;    ///< B_R, N·m·s/rad
 };
 
-[[nodiscard]] CouplingGains recommendedGains(const DeviceInfo& device) noexcept;
+/// The device's own gains (half or less of what tests/stability measures to be stable with any
+/// grip), lowered where the simulation's steps are long: the tool is then predicted up to two steps
+/// ahead, which acts on the device as an added mass of about K·(1.5·step)²/2 and may not exceed the
+/// arm's. K <= 0.016 kg / step²: 160 N/m at 10 ms, no limit up to 5 ms. Rotation alike.
+[[nodiscard]] CouplingGains recommendedGains(const DeviceInfo& device,
+                                             double stepPeriod = 1e-3) noexcept;
 
 /// Wrench on the device, about the origin of T, world axes:
 /// F = K (x_tool - x_device) + B (v_tool - v_device), and likewise for rotation.
