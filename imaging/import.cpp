@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <random>
 
-#include "imaging/archive.h"
+#include "imaging/dicom_import.h"
 #include "imaging/invesalius.h"
 #include "imaging/volume_files.h"
 #include "imaging/volume_format.h"
@@ -68,6 +68,13 @@ Result<ImportedScan> importVolumeFile(const fs::path& path) {
   return scan;
 }
 
+Result<ImportedScan> importOneVolume(Source source, const ImportRequest& request,
+                                     const Progress& progress) {
+  if (auto same = refuseOtherUid(request); !same) return fail(same.error());
+  progress(0.1, "Reading the volume");
+  return source == Source::Volume ? importVolumeFile(request.path) : readInvesalius(request.path);
+}
+
 void warnOfOneSlice(ImportedScan& scan) {
   if (scan.volume.geometry.dims[2] != 1) return;
   scan.warnings.emplace_back(
@@ -76,10 +83,10 @@ void warnOfOneSlice(ImportedScan& scan) {
 
 }  // namespace
 
-Result<SeriesList> listSeries(const fs::path& path, const Progress&) {
+Result<SeriesList> listSeries(const fs::path& path, const Progress& progress) {
   const auto source = sourceOf(path);
   if (!source) return fail(source.error());
-  if (*source == Source::Dicom) return fail(inputRefused("No DICOM.").inFile(path.string()));
+  if (*source == Source::Dicom) return listDicomSeries(path, progress);
   auto info = *source == Source::Volume ? describeVolumeFile(path) : describeInvesalius(path);
   if (!info) return fail(info.error());
   info->uid = kOnlyUid;
@@ -92,13 +99,8 @@ Result<ImportedScan> importScan(const ImportRequest& request, const Progress& pr
   const auto source = sourceOf(request.path);
   if (!source) return fail(source.error());
   if (progress.cancelled()) return fail(cancelled());
-  Result<ImportedScan> scan = fail(inputRefused("No DICOM.").inFile(request.path.string()));
-  if (*source != Source::Dicom) {
-    if (auto same = refuseOtherUid(request); !same) return fail(same.error());
-    progress(0.1, "Reading the volume");
-    scan =
-        *source == Source::Volume ? importVolumeFile(request.path) : readInvesalius(request.path);
-  }
+  auto scan = *source == Source::Dicom ? importDicom(request, progress)
+                                       : importOneVolume(*source, request, progress);
   if (!scan) return scan;
   if (progress.cancelled()) return fail(cancelled());
   scan->pseudonym = randomPseudonym();

@@ -1,0 +1,16 @@
+#pragma once
+/// The frames of a DICOM file: one in a classic image, many in an enhanced one, whose per-frame
+/// functional groups hold position, orientation, spacing and rescale (PS3.3 C.7.6.16).
+/// Include from .cpp only (DCMTK).
+
+#include <vector>
+
+#include "imaging/dicom_header.h"
+#include "imaging/dicom_toolkit.h"
+
+namespace palpate {
+
+/// `count` frames; what the file does not say stays unset.
+[[nodiscard]] std::vector<DicomFrame> readDicomFrames(DcmItem& dataset, std::uint32_t count);
+
+}  // namespace palpate

@@ -1,0 +1,144 @@
+#include "imaging/dicom_header.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+
+#include "imaging/dicom_frames.h"
+#include "imaging/dicom_toolkit.h"
+
+namespace palpate {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint32_t kMaxFrames = 100'000;
+// Palpate's largest grid; above it a header is damaged.
+constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
+// What a lossy codec may reach on an empty slice with room to spare. A header that claims more is
+// wrong, and decoding would first ask for the memory.
+constexpr std::uint64_t kMaxInflation = 10'000;
+
+std::uint32_t whole(DcmItem& item, const DcmTagKey& tag, std::uint32_t otherwise) {
+  double value = 0.0;
+  if (!dicomNumber(item, tag, value) || value < 0.0 || value > 4e9) return otherwise;
+  return static_cast<std::uint32_t>(value);
+}
+
+std::string problemOf(DcmItem& dataset, const DicomFile& file) {
+  if (dataset.tagExists(DcmTagKey(0x7FE0, 0x0008)) ||
+      dataset.tagExists(DcmTagKey(0x7FE0, 0x0009))) {
+    return "its pixels are floating-point numbers (a parametric map)";
+  }
+  if (!dataset.tagExists(DCM_Rows) || !dataset.tagExists(DCM_Columns)) {
+    return "it holds no image (" +
+           (file.modality.empty() ? std::string("no modality") : file.modality) + ")";
+  }
+  if (file.rows == 0 || file.columns == 0) return "its image has no rows or no columns";
+  if (file.samples != 1) return "its image is in colour";
+  if (file.photometric != "MONOCHROME1" && file.photometric != "MONOCHROME2") {
+    return "its image is not grey (" + file.photometric + ")";
+  }
+  if (file.bitsAllocated == 1) return "its image has one bit per pixel (a segmentation)";
+  const bool bitsFit = (file.bitsAllocated == 8 || file.bitsAllocated == 12 ||
+                        file.bitsAllocated == 16 || file.bitsAllocated == 32) &&
+                       file.bitsStored >= 1 && file.bitsStored <= file.bitsAllocated &&
+                       file.highBit < file.bitsAllocated && file.highBit + 1 >= file.bitsStored;
+  if (!bitsFit) return "its pixels have an impossible number of bits";
+  const std::uint64_t pixels = std::uint64_t{file.rows} * file.columns * file.frames.size();
+  if (pixels > kMaxVoxels || pixels > file.bytes * kMaxInflation) {
+    return "it states an image of an impossible size";
+  }
+  return {};
+}
+
+/// Native pixels must be there in full; compressed ones are found short when they are decoded.
+bool isCutShort(const DicomFile& file) {
+  const bool native = file.transferSyntax == "1.2.840.10008.1.2" ||
+                      file.transferSyntax == "1.2.840.10008.1.2.1" ||
+                      file.transferSyntax == "1.2.840.10008.1.2.2";
+  const std::uint64_t bits =
+      std::uint64_t{file.rows} * file.columns * file.frames.size() * file.bitsAllocated;
+  return native && bits / 8 > file.bytes;
+}
+
+bool lossySyntax(const std::string& uid) {
+  // JPEG baseline, extended, spectral, progressive; JPEG-LS near-lossless. JPEG 2000 (.91) may be
+  // either: its decoder looks at the stream.
+  return uid == "1.2.840.10008.1.2.4.50" || uid == "1.2.840.10008.1.2.4.51" ||
+         uid == "1.2.840.10008.1.2.4.53" || uid == "1.2.840.10008.1.2.4.55" ||
+         uid == "1.2.840.10008.1.2.4.81";
+}
+
+}  // namespace
+
+std::string transferSyntaxName(const std::string& uid) {
+  const DcmXfer syntax(uid.c_str());
+  return syntax.getXfer() == EXS_Unknown ? uid : std::string(syntax.getXferName());
+}
+
+bool mayBeDicom(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 132> head{};
+  in.read(head.data(), head.size());
+  const auto got = in.gcount();
+  if (got == 132 && std::equal(head.begin() + 128, head.end(), "DICM")) return true;
+  if (got < 8) return false;
+  // Without preamble: a data set that begins with group 0002 or 0008, little-endian.
+  const auto byte = [&head](std::size_t i) { return static_cast<unsigned char>(head[i]); };
+  if (byte(1) != 0 || (byte(0) != 0x08 && byte(0) != 0x02)) return false;
+  const bool explicitVr = std::isupper(byte(4)) != 0 && std::isupper(byte(5)) != 0;
+  const std::uint32_t length =
+      byte(4) | byte(5) << 8U | byte(6) << 16U | static_cast<std::uint32_t>(byte(7)) << 24U;
+  std::error_code ec;
+  return explicitVr || length < fs::file_size(file, ec);
+}
+
+std::optional<DicomFile> readDicomHeader(const fs::path& path) {
+  if (!mayBeDicom(path)) return std::nullopt;
+  prepareDicomToolkit();
+  DcmFileFormat format;
+  const OFCondition loaded =
+      format.loadFileUntilTag(OFFilename(path.c_str()), EXS_Unknown, EGL_noChange,
+                              DCM_MaxReadLength, ERM_autoDetect, DCM_PixelData);
+  DcmDataset* dataset = format.getDataset();
+  const bool usable =
+      dataset != nullptr && (dataset->tagExists(DCM_SOPClassUID) || dataset->tagExists(DCM_Rows));
+  if (!usable || dataset->tagExists(DCM_DirectoryRecordSequence)) return std::nullopt;
+  DicomFile file;
+  file.path = path;
+  std::error_code ec;
+  file.bytes = fs::file_size(path, ec);
+  file.seriesUid = dicomText(*dataset, DCM_SeriesInstanceUID);
+  file.instanceUid = dicomText(*dataset, DCM_SOPInstanceUID);
+  file.modality = dicomText(*dataset, DCM_Modality);
+  file.description = dicomUtf8(*dataset, DCM_SeriesDescription);
+  file.patientName = dicomUtf8(*dataset, DCM_PatientName);
+  file.patientId = dicomUtf8(*dataset, DCM_PatientID);
+  file.transferSyntax = DcmXfer(dataset->getOriginalXfer()).getXferID();
+  const std::string metaSyntax = format.getMetaInfo() != nullptr
+                                     ? dicomText(*format.getMetaInfo(), DCM_TransferSyntaxUID)
+                                     : std::string();
+  if (!metaSyntax.empty()) file.transferSyntax = metaSyntax;
+  file.photometric = dicomText(*dataset, DCM_PhotometricInterpretation);
+  file.rows = whole(*dataset, DCM_Rows, 0);
+  file.columns = whole(*dataset, DCM_Columns, 0);
+  file.samples = whole(*dataset, DCM_SamplesPerPixel, 1);
+  file.bitsAllocated = whole(*dataset, DCM_BitsAllocated, 0);
+  file.bitsStored = whole(*dataset, DCM_BitsStored, file.bitsAllocated);
+  file.highBit = whole(*dataset, DCM_HighBit, file.bitsStored - 1);
+  file.isSigned = whole(*dataset, DCM_PixelRepresentation, 0) == 1;
+  file.localizer = dicomText(*dataset, DCM_ImageType).find("LOCALIZER") != std::string::npos;
+  file.lossy =
+      lossySyntax(file.transferSyntax) || dicomText(*dataset, DCM_LossyImageCompression) == "01";
+  DcmItem* lut = nullptr;
+  file.modalityLut = dataset->findAndGetSequenceItem(DCM_ModalityLUTSequence, lut, 0).good();
+  const std::uint32_t frames = std::max(whole(*dataset, DCM_NumberOfFrames, 1), 1U);
+  file.frames = readDicomFrames(*dataset, std::min(frames, kMaxFrames));
+  file.problem = problemOf(*dataset, file);
+  if (file.problem.empty() && (loaded.bad() || isCutShort(file))) {
+    file.problem = kDamagedFile;
+  }
+  return file;
+}
+
+}  // namespace palpate

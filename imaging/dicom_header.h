@@ -1,0 +1,60 @@
+#pragma once
+/// What one DICOM file says about its images, as plain values.
+///
+/// DCMTK stays in the source files. Its log is off: it would repeat names and identifiers.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// Where a frame lies and what its numbers mean. Millimetres, LPS, as written in the file.
+struct DicomFrame {
+  std::uint32_t number = 0;  ///< In its file, from 0.
+  bool hasPosition = false, hasOrientation = false, hasSpacing = false;
+  Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
+  Eigen::Vector3d row = Eigen::Vector3d::Zero(), column = Eigen::Vector3d::Zero();
+  Eigen::Vector2d spacing_mm = Eigen::Vector2d::Zero();  ///< Along row, along column.
+  double slope = 1.0, intercept = 0.0;
+  double thickness_mm = 0.0;  ///< 0 when not said.
+  /// What tells images of one place apart: time, echo, b-value ..., in the order of kPhaseNames.
+  std::vector<std::string> phase;
+};
+
+/// The names of DicomFrame::phase, for people.
+extern const std::array<const char*, 8> kPhaseNames;
+
+struct DicomFile {
+  std::filesystem::path path;
+  std::uintmax_t bytes = 0;
+  std::string seriesUid, instanceUid, modality, description;
+  std::string patientName, patientId;  ///< UTF-8. Never stored or logged.
+  std::string transferSyntax;          ///< UID
+  std::string photometric;
+  std::uint32_t rows = 0, columns = 0, samples = 1;
+  std::uint32_t bitsAllocated = 0, bitsStored = 0, highBit = 0;
+  bool isSigned = false;
+  bool localizer = false;  ///< The scanner says that it is a scout.
+  bool lossy = false;
+  bool modalityLut = false;
+  std::vector<DicomFrame> frames;
+  std::string problem;  ///< Why there is no grey image to read; empty when there is.
+};
+
+/// The problem of a file that should hold an image but ends early.
+inline constexpr const char* kDamagedFile = "it is damaged or cut short";
+
+/// Looks at the first bytes only.
+[[nodiscard]] bool mayBeDicom(const std::filesystem::path& file);
+/// Empty when the file is not a DICOM image object at all (text, DICOMDIR, damaged beyond reading).
+/// Any thread.
+[[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path& file);
+/// "JPEG 2000 (lossless only)"; the UID itself when unknown.
+[[nodiscard]] std::string transferSyntaxName(const std::string& uid);
+
+}  // namespace palpate

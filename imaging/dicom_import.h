@@ -1,0 +1,13 @@
+#pragma once
+/// DICOM in: the list of what is there, and one series as a volume.
+
+#include "imaging/import.h"
+
+namespace palpate {
+
+[[nodiscard]] Result<SeriesList> listDicomSeries(const std::filesystem::path& path,
+                                                 const Progress& progress);
+[[nodiscard]] Result<ImportedScan> importDicom(const ImportRequest& request,
+                                               const Progress& progress);
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+#pragma once
+/// DCMTK for our source files: its decoders registered, its log off. Include from .cpp only.
+
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
+
+#include <string>
+
+namespace palpate {
+
+/// Call before any use of DCMTK; does its work once. Any thread.
+void prepareDicomToolkit();
+
+[[nodiscard]] std::string dicomText(DcmItem& item, const DcmTagKey& tag);
+/// False when missing or not a finite number.
+[[nodiscard]] bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value,
+                               unsigned long position = 0);
+/// A text in the file's character set, as UTF-8; characters that cannot be turned become '?'.
+[[nodiscard]] std::string dicomUtf8(DcmItem& item, const DcmTagKey& tag);
+
+}  // namespace palpate
