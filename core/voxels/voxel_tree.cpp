@@ -2,6 +2,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -142,6 +143,16 @@ const TreeStats& VoxelTree::stats() const noexcept {
 
 Result<VoxelTree> VoxelTree::build(const LabelGrid& grid, std::span<const std::uint8_t> labels,
                                    const TreeOptions& options, const Progress& progress) {
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  auto data = arena.execute([&] { return buildData(grid, labels, options, progress); });
+  if (!data) return fail(data.error());
+  return VoxelTree(std::move(*data));
+}
+
+Result<std::unique_ptr<VoxelTree::Data>> VoxelTree::buildData(const LabelGrid& grid,
+                                                              std::span<const std::uint8_t> labels,
+                                                              const TreeOptions& options,
+                                                              const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (auto ok = checkGrid(grid); !ok) return fail(ok.error());
   auto solid = selectVoxels(grid, labels);
@@ -192,7 +203,7 @@ Result<VoxelTree> VoxelTree::build(const LabelGrid& grid, std::span<const std::u
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   data->stats.buildMs = took.count();
   progress(1.0, "Tree built");
-  return VoxelTree(std::move(data));
+  return data;
 }
 
 }  // namespace palpate

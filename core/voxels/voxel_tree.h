@@ -28,6 +28,7 @@ struct TreeOptions {
   Branching branching = Branching::Children64;
   LeafModel leaf = LeafModel::Distance;
   bool surfaceOnly = false;  ///< Only surface voxels: misses most contacts of a pressed-in tool.
+  int threads = 0;           ///< Of the build; 0: all of the machine. Never changes the result.
 };
 
 struct TreeStats {
@@ -61,6 +62,10 @@ class VoxelTree {
 
  private:
   explicit VoxelTree(std::unique_ptr<Data> data) noexcept;
+  [[nodiscard]] static Result<std::unique_ptr<Data>> buildData(const LabelGrid& grid,
+                                                               std::span<const std::uint8_t> labels,
+                                                               const TreeOptions& options,
+                                                               const Progress& progress);
   std::unique_ptr<Data> data_;
 };
 

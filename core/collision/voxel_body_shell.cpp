@@ -1,0 +1,29 @@
+#include "core/collision/voxel_body_shell.h"
+
+#include "core/voxels/distance_field.h"
+#include "core/voxels/leaf_payload.h"
+#include "core/voxels/surface_descriptor.h"
+
+namespace palpate {
+
+Result<PointShell> shellOfVoxelBody(const LabelGrid& body, const Progress& progress) {
+  const GridGeometry& g = body.geometry;
+  std::vector<std::uint8_t> solid(body.labels.size());
+  for (std::size_t i = 0; i < solid.size(); ++i) solid[i] = body.labels[i] != 0 ? 1 : 0;
+  const auto voxels = surfaceVoxels(g, solid);
+  if (voxels.empty()) {
+    return fail(inputRefused("The body has no solid voxel.")
+                    .advise("Give a label volume with voxels that are not zero."));
+  }
+  const auto field = signedDistanceField(g, solid, progress);
+  if (!field) return fail(field.error());
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> normals;
+  for (const auto& v : voxels) {
+    points.push_back(g.X_PV * g.centre_V(v[0], v[1], v[2]));
+    normals.push_back(g.X_PV.linear() * outwardNormal(g, *field, v[0], v[1], v[2]));
+  }
+  return PointShell::fromPoints(std::move(points), std::move(normals));
+}
+
+}  // namespace palpate
