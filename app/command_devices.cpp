@@ -1,9 +1,7 @@
-#include <memory>
-
 #include "app/command.h"
 #include "app/commands.h"
 #include "app/text_table.h"
-#include "core/devices/simulated_phantom.h"
+#include "core/devices/device_list.h"
 #include "core/geometry/units.h"
 
 namespace palpate {
@@ -11,14 +9,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Drivers that this version has not got; the list says so instead of showing nothing.
-struct MissingDriver {
-  const char *name, *reason;
-};
-constexpr MissingDriver kMissingDrivers[] = {
-    {"3D Systems Phantom, Touch, Touch X (OpenHaptics)",
-     "This version has no driver for hardware; use a simulated model."},
-};
+ordered_json textOrNull(const std::string& text) {
+  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
+}
 
 ordered_json workspaceJson(const DeviceInfo& info) {
   ordered_json size = ordered_json::array();
@@ -28,42 +21,52 @@ ordered_json workspaceJson(const DeviceInfo& info) {
   return size;
 }
 
-ordered_json deviceJson(const DeviceInfo& info) {
+ordered_json deviceJson(const ListedDevice& device) {
   ordered_json json;
-  json["name"] = info.name;
-  json["model"] = info.model;
-  json["simulated"] = info.simulated;
-  json["available"] = true;
-  json["reason"] = nullptr;
-  json["feels_torque"] = info.feelsTorque;
-  json["peak_force_N"] = info.peakForce;
-  json["continuous_force_N"] = info.continuousForce;
-  json["peak_torque_Nm"] = info.peakTorque;
-  json["workspace_mm"] = workspaceJson(info);
+  json["name"] = device.name;
+  json["title"] = device.info.name;
+  json["model"] = device.info.model;
+  json["simulated"] = device.info.simulated;
+  json["available"] = device.there;
+  json["reason"] = device.there ? ordered_json(nullptr) : ordered_json(device.note);
+  json["advice"] = textOrNull(device.advice);
+  if (!device.there) return json;
+  json["feels_torque"] = device.info.feelsTorque;
+  json["peak_force_N"] = device.info.peakForce;
+  json["continuous_force_N"] = device.info.continuousForce;
+  json["peak_torque_Nm"] = device.info.peakTorque;
+  json["workspace_mm"] = workspaceJson(device.info);
+  json["firmware"] = textOrNull(device.firmware);
+  json["driver"] = textOrNull(device.driverVersion);
+  json["calibration"] = textOrNull(device.calibration);
   return json;
 }
 
+std::vector<std::string> deviceRow(const ListedDevice& device) {
+  const DeviceInfo& info = device.info;
+  if (!device.there) return {device.name, info.name, "no", "-", "-", "-"};
+  return {device.name,
+          info.name,
+          "yes",
+          decimal(info.peakForce, 2),
+          decimal(info.continuousForce, 2),
+          info.feelsTorque ? "felt" : "drawn"};
+}
+
 Result<CommandOutput> runDevices() {
+  const DeviceList list = listDevices();
   CommandOutput output;
   output.json["devices"] = ordered_json::array();
-  TextTable table({"model", "device", "there", "peak N", "continuous N", "torque"});
-  for (const std::string& model : simulatedModels()) {
-    const auto device = makeSimulatedPhantom(model, makeSearchingHand(1), 1);
-    if (!device) return fail(device.error());
-    const DeviceInfo& info = (*device)->info();
-    output.json["devices"].push_back(deviceJson(info));
-    table.add({info.model, info.name, "yes", decimal(info.peakForce, 2),
-               decimal(info.continuousForce, 2), info.feelsTorque ? "felt" : "drawn"});
+  TextTable table({"name", "device", "there", "peak N", "continuous N", "torque"});
+  std::string notes;
+  for (const ListedDevice& device : list.devices) {
+    output.json["devices"].push_back(deviceJson(device));
+    table.add(deviceRow(device));
+    if (!device.there) notes += device.name + ": " + device.note + " " + device.advice + "\n";
   }
-  output.text = table.text();
-  for (const MissingDriver& driver : kMissingDrivers) {
-    output.json["devices"].push_back({{"name", driver.name},
-                                      {"model", nullptr},
-                                      {"simulated", false},
-                                      {"available", false},
-                                      {"reason", driver.reason}});
-    output.text += std::string(driver.name) + ": " + driver.reason + "\n";
-  }
+  output.json["library"] = textOrNull(list.library);
+  output.json["library_note"] = librarySentence(list);
+  output.text = table.text() + "\n" + notes + librarySentence(list) + "\n";
   return output;
 }
 

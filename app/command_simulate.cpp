@@ -10,6 +10,7 @@
 #include "app/setting_report.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
+#include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
 #include "core/geometry/units.h"
 #include "core/session/recorder.h"
@@ -33,8 +34,23 @@ struct SimulateOptions {
   std::uint64_t seed = 1;
 };
 
+/// The hardware, moved by whoever holds it: only in real time, and by no hand of ours.
+Result<std::unique_ptr<HapticDevice>> makePhantom(const SimulateOptions& options,
+                                                  const std::string& name) {
+  if (options.clock != "real" || !options.hand.empty()) {
+    return fail(usageError("A Phantom runs on the real clock, in a person's hand.")
+                    .inField("--device")
+                    .butFound(name)
+                    .advise("Add --clock real and leave --hand out, or take a simulated device."));
+  }
+  Result<PhantomOptions> phantom = phantomOptions(name);
+  if (!phantom) return fail(phantom.error());
+  return std::make_unique<Phantom>(std::move(*phantom));
+}
+
 Result<std::unique_ptr<HapticDevice>> makeDevice(const SimulateOptions& options,
                                                  const Scene& scene) {
+  if (scene.device.rfind("phantom", 0) == 0) return makePhantom(options, scene.device);
   std::shared_ptr<Hand> hand;
   if (options.hand.empty()) {
     hand = makeSearchingHand(options.seed);
@@ -262,7 +278,7 @@ void addSimulateCommand(CommandSet& commands) {
       ->required();
   sub->add_flag("--headless", options->headless,
                 "Without a window; this command opens none anyway ('palpate --case CASE' does)");
-  sub->add_option("--device", options->device, "Simulated device: " + modelList());
+  sub->add_option("--device", options->device, "Simulated: " + modelList() + "; or phantom[:NAME]");
   sub->add_option("--hand", options->hand, "CSV of poses (default: the built-in searching hand)");
   sub->add_option("--instrument", options->instrument, "A name in datasets/instruments");
   sub->add_option("--seconds", options->seconds, "Simulated time")
