@@ -176,12 +176,14 @@ SessionParts partsOf(const PreparedScene& scene) {
   const FeltLabels felt = feltLabelsOf(scene);
   Scene nameless = scene.scene;
   nameless.name.clear();
-  nameless.X_WD.reset();  // kept to the bit beside it
+  nameless.X_WD.reset();
   const std::string text = sceneText(nameless);
-  Packer placement;
-  put(placement, scene.X_WD);
+  Packer exact;  // numbers that the text gives in other units, to the bit
+  put(exact, scene.X_WD);
+  exact.put(scene.scene.setting.shellSpacing);
+  exact.put(scene.scene.setting.stepPeriod);
   return {{"scene", {text.begin(), text.end()}},
-          {"placement", placement.bytes()},
+          {"exact", exact.bytes()},
           {"geometry", packGeometry(scene.labels->geometry)},
           {"labels", packFeltLabels(scene, felt)},
           {"label_table", packTable(scene, felt)},
@@ -191,15 +193,17 @@ SessionParts partsOf(const PreparedScene& scene) {
 
 Result<Scene> sceneOf(const SessionParts& parts, const std::string& file) {
   const auto* text = find(parts, "scene");
-  const auto* placement = find(parts, "placement");
+  const auto* exact = find(parts, "exact");
   if (text == nullptr) return fail(damaged(file, "scene"));
-  if (placement == nullptr) return fail(damaged(file, "placement"));
+  if (exact == nullptr) return fail(damaged(file, "exact"));
   auto scene = sceneFromText({text->begin(), text->end()}, file);
   if (!scene) return fail(scene.error());
   Eigen::Isometry3d X_WD;
-  Unpacker from(*placement);
+  Unpacker from(*exact);
   get(from, X_WD);
-  if (!from.finished()) return fail(damaged(file, "placement"));
+  from.get(scene->setting.shellSpacing);
+  from.get(scene->setting.stepPeriod);
+  if (!from.finished()) return fail(damaged(file, "exact"));
   scene->X_WD = X_WD;
   return scene;
 }

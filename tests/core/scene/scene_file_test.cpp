@@ -77,7 +77,6 @@ TEST(SceneFile, DevicePoseSurvivesWithinRounding) {
     ASSERT_TRUE(back->X_WD);
     // The rotation passes through a quaternion twice: a few units in the last place.
     EXPECT_LT((back->X_WD->matrix() - scene.X_WD->matrix()).cwiseAbs().maxCoeff(), 2e-15);
-    EXPECT_EQ(back->X_WD->translation(), scene.X_WD->translation());
   }
 }
 
@@ -127,10 +126,10 @@ TEST(SceneFile, WrongValuesAreRefusedByKeyFoundAndExpected) {
             "A rotation is not a unit quaternion. File: case/scene.toml. Field: "
             "device_pose.rotation_wxyz. Found: length 1.4142135623730951. "
             "Expected: length 1 within 0.001.");
-  EXPECT_EQ(refusal("format = 1\nname = \"a\nlabels\n"),
+  EXPECT_EQ(refusal("format = 1\nname = \n"),
             "The file is not valid TOML. File: case/scene.toml. Field: line 2. "
-            "Found: Error while parsing basic string: newlines are not permitted in "
-            "single-line strings. Correct that line.");
+            "Found: Error while parsing key-value pair: expected value, saw '\\n'. "
+            "Correct that line.");
 }
 
 TEST(SceneFile, MissingFileIsRefusedByName) {
