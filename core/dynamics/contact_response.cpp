@@ -50,6 +50,7 @@ struct ActiveContact {
   std::uint32_t index = 0;  // in the step's contacts
   bool prepared = false;
   bool bounced = false;
+  bool settled = false;     // nothing of its impulse can be taken back
   Eigen::Vector3d impulse;  // cumulative
   Matrix63d toTwist;        // impulse here -> change of twist
   Eigen::Matrix3d K;        // impulse here -> change of velocity here (Mirtich)
@@ -151,7 +152,7 @@ class Response {
     a.restitution = std::clamp(m.restitution, 0.0, 1.0);
     a.normalImpulse = a.tangentImpulse2 = 0.0;
     a.index = index;
-    a.prepared = a.bounced = false;
+    a.prepared = a.bounced = a.settled = false;
     ++count_;
   }
 
@@ -284,10 +285,32 @@ class Response {
     slide(a);
   }
 
-  /// Later impulses made part of this one needless: takes it back, down to what its friction needs.
+  /// How much of a contact's impulse later impulses made needless, as a velocity.
   [[nodiscard]] static double needless(const ActiveContact& a, double un) noexcept {
-    const double held = a.friction > 0.0 ? std::sqrt(a.tangentImpulse2) / a.friction : 0.0;
-    return std::min(a.normalImpulse - held, (un + a.inward) / a.Kn);
+    return std::min(a.normalImpulse * a.Kn, un + a.inward);
+  }
+
+  /// Takes a needless impulse back, with the friction that it carried. Only what does not raise the
+  /// energy: first to rest in one go, then along the normal with the friction cut to its new cone,
+  /// then down to what that friction needs. False: nothing can go.
+  bool takeBack(ActiveContact& a) noexcept {
+    const Eigen::Vector3d u = velocityAt(a);
+    const double un = a.n.dot(u);
+    if (a.friction > 0.0 && stick(a, u, -a.inward)) return true;
+    const Eigen::Vector3d tangent = a.impulse - a.normalImpulse * a.n;
+    const double jn = a.normalImpulse - needless(a, un) / a.Kn;
+    const double length = tangent.norm(), limit = a.friction * jn;
+    const Eigen::Vector3d cut =
+        length > limit ? Eigen::Vector3d(tangent * (limit / length)) : tangent;
+    const Eigen::Vector3d dj = jn * a.n + cut - a.impulse;
+    if (u.dot(dj) + 0.5 * dj.dot(a.K * dj) <= 0.0) {
+      apply(a, dj);
+      return true;
+    }
+    const double held = std::max(jn, a.friction > 0.0 ? length / a.friction : 0.0);
+    if (a.normalImpulse - held <= 1e-9 * a.normalImpulse) return false;
+    apply(a, (held - a.normalImpulse) * a.n);
+    return true;
   }
 
   void resolveVelocity() noexcept {
@@ -312,16 +335,15 @@ class Response {
           acted = true;
           break;
         }
-        if (a.normalImpulse <= 0.0 || a.bounced) continue;
+        if (a.normalImpulse <= 0.0 || a.bounced || a.settled) continue;
         considerPolish(a, u, un, polish, polishGain, polishSlides);
       }
       if (acted) continue;
       if (polish == nullptr || out_.iterations >= settings_.iterations) return;
       if (polishSlides) {
         slide(*polish);
-      } else {
-        const double un = polish->n.dot(velocityAt(*polish));
-        apply(*polish, -needless(*polish, un) * polish->n);
+      } else if (!takeBack(*polish)) {
+        polish->settled = true;
       }
       ++out_.iterations;
     }
@@ -333,7 +355,7 @@ class Response {
                       double& gain, bool& slides) const noexcept {
     const double enough = kPolishFactor * settings_.tolerance;
     if (un + a.inward > enough) {
-      const double g = needless(a, un) * a.Kn;
+      const double g = needless(a, un);
       if (g > enough && g > gain) {
         best = &a;
         gain = g;

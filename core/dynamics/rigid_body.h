@@ -2,9 +2,10 @@
 /// A rigid body: state about its centre of mass, and one step of it.
 ///
 /// Semi-implicit Euler; orientation by the exponential map. The state holds the world angular
-/// momentum L, not the angular velocity, so a torque-free body keeps |L| to the last bits whatever
-/// its inertia: the pose advances by the implicit midpoint rate R(½)·I⁻¹·R(½)ᵀ·L
-/// (haptics_facts.md §3, "Gyro term"). SI, world axes.
+/// momentum L, not the angular velocity, so a torque-free body keeps L to the bit whatever its
+/// inertia. The pose advances by the implicit midpoint of Euler's equation in the body's principal
+/// axes, which keeps the energy too (haptics_facts.md §3, "Gyro term", asks for 1e-5). SI, world
+/// axes.
 
 #include <Eigen/Geometry>
 
@@ -46,7 +47,7 @@ class RigidBody {
   void setTwist(const Eigen::Vector3d& v_C, const Eigen::Vector3d& w) noexcept;
   void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& p_W) noexcept;
 
-  /// Pose by velocity; momentum untouched. At most 8 fixed-point passes for the midpoint.
+  /// Pose by velocity; momentum untouched. At most 8 Newton passes for the midpoint.
   void integratePose(double h) noexcept;
   /// Moves the pose alone (position correction). The momentum turns with the body, so the kinetic
   /// energy is exactly what it was.
@@ -54,6 +55,7 @@ class RigidBody {
 
  private:
   [[nodiscard]] Eigen::Vector3d rateAt(const Eigen::Quaterniond& q) const noexcept;
+  [[nodiscard]] Eigen::Vector3d midpointMomentum(const Eigen::Vector3d& l, double h) const noexcept;
 
   double mass_;
   Eigen::Vector3d p_TC_;
