@@ -122,6 +122,12 @@ void listOthers(const std::vector<DicomFile>& files, SeriesList& list) {
 
 Error nothingThere(const fs::path& path, const DicomScan& scan) {
   std::error_code ec;
+  if (fs::is_regular_file(path, ec) && mayBeDicom(path)) {
+    return inputRefused("The DICOM file holds no image, or is damaged.")
+        .inFile(path.string())
+        .wants("a CT or MR image")
+        .advise("Choose another file of the study, or its folder.");
+  }
   if (!fs::is_directory(path, ec) && !isArchive(path)) {
     return inputRefused("The file is not a scan that Palpate reads.")
         .inFile(path.string())
@@ -148,7 +154,8 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
   for (const DicomStack* stack : stacks) {
     list += (list.empty() ? "" : "; ") + stack->uid + " (" +
             files[stack->slices.front().file].modality + ", " +
-            std::to_string(stack->slices.size()) + " slices)";
+            std::to_string(stack->slices.size()) +
+            (stack->slices.size() == 1 ? " slice)" : " slices)");
   }
   return inputRefused("There are several volumes in there.")
       .inFile(path.string())

@@ -5,10 +5,12 @@
 #include <dcmtk/dcmjpeg/djdecode.h>
 #include <dcmtk/dcmjpls/djdecode.h>
 #include <dcmtk/oflog/oflog.h>
+#include <iconv.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 
 namespace palpate {
 
@@ -41,6 +43,49 @@ std::string trimmed(std::string text) {
   return text;
 }
 
+/// The whole of `from` in UTF-8, by the C library's converter.
+std::optional<std::string> throughIconv(std::string from, const char* encoding) {
+  const iconv_t converter = ::iconv_open("UTF-8", encoding);
+  if (converter == reinterpret_cast<iconv_t>(-1)) return std::nullopt;
+  std::string to(from.size() * 4 + 16, '\0');
+  char* in = from.data();
+  char* out = to.data();
+  std::size_t inLeft = from.size();
+  std::size_t outLeft = to.size();
+  const bool done =
+      ::iconv(converter, &in, &inLeft, &out, &outLeft) != static_cast<std::size_t>(-1);
+  ::iconv_close(converter);
+  if (!done) return std::nullopt;
+  to.resize(to.size() - outLeft);
+  return to;
+}
+
+/// Names that switch between character sets by escapes (PS3.5 6.1.2.5): Debian's DCMTK leaves
+/// Japanese and Korean ones to us.
+std::optional<std::string> fromEscapes(const std::string& raw, const std::string& charset) {
+  if (charset.find("IR 87") != std::string::npos || charset.find("IR 159") != std::string::npos) {
+    return throughIconv(raw, "ISO-2022-JP-2");
+  }
+  if (charset.find("IR 149") != std::string::npos) {
+    std::string plain = raw;
+    for (std::size_t at = 0; (at = plain.find("\x1B$)C", at)) != std::string::npos;) {
+      plain.erase(at, 4);
+    }
+    return throughIconv(plain, "EUC-KR");
+  }
+  return std::nullopt;
+}
+
+std::string asciiOnly(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) {
+        return static_cast<unsigned char>(c) >= 128 || static_cast<unsigned char>(c) < 32;
+      },
+      '?');
+  return text;
+}
+
 }  // namespace
 
 std::string dicomText(DcmItem& item, const DcmTagKey& tag) {
@@ -70,17 +115,19 @@ bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value, unsigned lo
 std::string dicomUtf8(DcmItem& item, const DcmTagKey& tag) {
   const std::string raw = dicomText(item, tag);
   const std::string charset = dicomText(item, DCM_SpecificCharacterSet);
+  std::string utf8 = asciiOnly(raw);
   DcmSpecificCharacterSet converter;
   OFString converted;
-  if (!charset.empty() &&
-      converter.selectCharacterSet(OFString(charset.c_str()), "ISO_IR 192").good() &&
-      converter.convertString(OFString(raw.c_str(), raw.size()), converted, "^=").good()) {
-    return trimmed(std::string(converted.c_str(), converted.size()));
+  if (const auto escaped = fromEscapes(raw, charset)) {
+    utf8 = *escaped;
+  } else if (!charset.empty() &&
+             converter.selectCharacterSet(OFString(charset.c_str()), "ISO_IR 192").good() &&
+             converter.convertString(OFString(raw.c_str(), raw.size()), converted, "^=").good()) {
+    utf8 = trimmed(std::string(converted.c_str(), converted.size()));
   }
-  std::string ascii = raw;
-  std::replace_if(
-      ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) >= 128; }, '?');
-  return ascii;
+  // Empty trailing parts of a name say nothing.
+  while (!utf8.empty() && (utf8.back() == '=' || utf8.back() == '^')) utf8.pop_back();
+  return utf8;
 }
 
 }  // namespace palpate

@@ -20,17 +20,21 @@ namespace {
 // nothing and a corner by less than half a voxel. Two steps of reach hold 99.6 % of it.
 constexpr double kSigma = 0.7;
 constexpr int kReach = 2;
-// One more step around a chunk, so that the gradient at its border is the neighbour's.
-constexpr int kHalo = kReach + 1;
+// Light needs more blur than shape: normals come from the field blurred once more (Gaussian of 1
+// step, the two together 1.2). For shape that would swallow bone of one voxel.
+constexpr double kShadingSigma = 1.0;
+// Around a chunk both blurs reach out, and one more step for the gradient: so that what is computed
+// at its border is bit for bit what the neighbour computes.
+constexpr int kHalo = 2 * kReach + 1;
 constexpr float kInside = 0.5F;
 
-std::array<float, 2 * kReach + 1> gaussian() {
+std::array<float, 2 * kReach + 1> gaussian(double sigma) {
   std::array<float, 2 * kReach + 1> weights{};
   double sum = 0.0;
-  for (int i = -kReach; i <= kReach; ++i) sum += std::exp(-0.5 * i * i / (kSigma * kSigma));
+  for (int i = -kReach; i <= kReach; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
   for (int i = -kReach; i <= kReach; ++i) {
     weights[static_cast<std::size_t>(i + kReach)] =
-        static_cast<float>(std::exp(-0.5 * i * i / (kSigma * kSigma)) / sum);
+        static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
   }
   return weights;
 }
@@ -98,23 +102,27 @@ Field maskField(const LabelGrid& grid, std::uint8_t value, const ChunkSpan& span
   return field;
 }
 
-/// Convolves along one axis (by its stride); values outside the field count as 0, which only the
-/// outer halo sees.
+/// out[i] += weight · in[i + shift] for the i of a row where both are in it.
+void addShifted(const float* in, float* out, int n, int shift, float weight) {
+  const int from = std::max(0, -shift);
+  const int to = n - std::max(0, shift);
+  for (int i = from; i < to; ++i) out[i] += weight * in[i + shift];
+}
+
+/// Convolves along one axis; values outside the field count as 0, which only the outer halo sees.
+/// Whole rows at a time, always in the same order of terms.
 void smoothAxis(Field& field, int axis, const std::array<float, 2 * kReach + 1>& weights) {
   Field out(field.n);
-  const std::array<int, 3> unit{axis == 0 ? 1 : 0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0};
-  const auto a = static_cast<std::size_t>(axis);
   for (int k = 0; k < field.n[2]; ++k) {
     for (int j = 0; j < field.n[1]; ++j) {
-      for (int i = 0; i < field.n[0]; ++i) {
-        const std::array<int, 3> p{i, j, k};
-        float sum = 0.0F;
-        for (int t = -kReach; t <= kReach; ++t) {
-          if (p[a] + t < 0 || p[a] + t >= field.n[a]) continue;
-          sum += weights[static_cast<std::size_t>(t + kReach)] *
-                 field.v[field.at(i + t * unit[0], j + t * unit[1], k + t * unit[2])];
-        }
-        out.v[field.at(i, j, k)] = sum;
+      float* row = out.v.data() + out.at(0, j, k);
+      for (int t = -kReach; t <= kReach; ++t) {
+        const float weight = weights[static_cast<std::size_t>(t + kReach)];
+        const int fromJ = axis == 1 ? j + t : j;
+        const int fromK = axis == 2 ? k + t : k;
+        if (fromJ < 0 || fromJ >= field.n[1] || fromK < 0 || fromK >= field.n[2]) continue;
+        addShifted(field.v.data() + field.at(0, fromJ, fromK), row, field.n[0], axis == 0 ? t : 0,
+                   weight);
       }
     }
   }
@@ -212,9 +220,12 @@ SurfaceChunk meshSpan(const LabelGrid& labels, std::uint8_t value, int step,
   bool mixed = false;
   Field field = maskField(labels, value, span, step, mixed);
   if (!mixed) return chunk;
-  static const auto weights = gaussian();
-  for (int axis = 0; axis < 3; ++axis) smoothAxis(field, axis, weights);
+  static const auto shape = gaussian(kSigma);
+  static const auto shading = gaussian(kShadingSigma);
+  for (int axis = 0; axis < 3; ++axis) smoothAxis(field, axis, shape);
   const auto mesh = contour(field);
+  if (mesh->GetNumberOfPoints() == 0) return chunk;
+  for (int axis = 0; axis < 3; ++axis) smoothAxis(field, axis, shading);
   takeVertices(*mesh, field, span, labels.geometry, step, chunk);
   takeTriangles(*mesh, chunk);
   return chunk;

@@ -40,7 +40,7 @@ struct SurfaceChunk {
 /// 32(c+1)/step - 1 along each axis; sample s is voxel s·step.
 [[nodiscard]] std::array<std::int32_t, 3> surfaceChunkCounts(const GridGeometry& geometry,
                                                              int step);
-/// One chunk again, after an edit: an edited voxel changes the chunks within 3·step voxels of it.
+/// One chunk again, after an edit: an edited voxel changes the chunks within 5·step voxels of it.
 /// Empty where no surface passes.
 [[nodiscard]] Result<SurfaceChunk> meshLabelChunk(const LabelGrid& labels, std::uint8_t value,
                                                   int step,

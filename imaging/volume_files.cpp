@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <future>
 #include <type_traits>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "imaging/itk_image_file.h"
 #include "imaging/nifti_header.h"
 #include "imaging/rigid_geometry.h"
+#include "imaging/stored_bytes.h"
 #include "imaging/volume_format.h"
 
 namespace palpate {
@@ -164,8 +166,12 @@ Result<OpenedImage> open(const fs::path& file, std::vector<std::string>* warning
 }
 
 Result<std::vector<char>> readBytes(const OpenedImage& image, const fs::path& file) {
+  auto whole = std::async(std::launch::async, [&image, &file] {
+    return holdsAllVoxels(image.format, file, image.geometry.voxelCount(),
+                          image.header.bytesPerValue);
+  });
   auto bytes = readItkVoxels(image.format, file);
-  if (bytes.size() != image.geometry.voxelCount() * image.header.bytesPerValue) {
+  if (!whole.get() || bytes.size() != image.geometry.voxelCount() * image.header.bytesPerValue) {
     return fail(damaged(file, image.format, "ends before its last voxel"));
   }
   return bytes;
