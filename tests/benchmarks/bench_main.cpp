@@ -1,30 +1,20 @@
-/// palpate_bench: Google Benchmark's main, after a line that says which machine and build it was.
+/// palpate_bench: `palpate_bench peers ...` runs the peers side by side; anything else is Google
+/// Benchmark's main. Both say first which machine, build and commit it was.
 
 #include <benchmark/benchmark.h>
 
-#include <fstream>
-#include <string>
+#include <string_view>
 
-namespace {
-
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-  }
-  return "unknown processor";
-}
-
-}  // namespace
+#include "tests/benchmarks/machine.h"
+#include "tests/benchmarks/peers_main.h"
 
 int main(int argc, char** argv) {
-  benchmark::AddCustomContext("processor", processor());
-  benchmark::AddCustomContext("compiler", __VERSION__);
-#ifdef NDEBUG
-  benchmark::AddCustomContext("build", "release");
-#else
-  benchmark::AddCustomContext("build", "with assertions");
-#endif
+  if (argc > 1 && std::string_view(argv[1]) == "peers") {
+    return palpate::bench::runPeers(argc - 1, argv + 1);
+  }
+  benchmark::AddCustomContext("processor", palpate::bench::processorName());
+  benchmark::AddCustomContext("build", palpate::bench::buildName());
+  benchmark::AddCustomContext("commit", palpate::bench::commitName());
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

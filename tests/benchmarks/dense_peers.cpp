@@ -1,0 +1,407 @@
+#include "tests/benchmarks/dense_peers.h"
+
+#include <array>
+#include <utility>
+
+#include "tests/benchmarks/field_pose.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/benchmarks/dense_peers.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef PALPATE_BENCH_DENSE_PEERS_ONCE
+#define PALPATE_BENCH_DENSE_PEERS_ONCE
+namespace palpate::bench {
+
+// What a step of the dense peers works on.
+struct DenseWork {
+  const DenseField* field = nullptr;
+  const ProbeTree* probe = nullptr;
+  std::vector<std::uint32_t> frontier, next;
+  std::vector<float> packed;  // tuned: contacts before their normals
+  std::size_t tests = 0;
+};
+
+}  // namespace palpate::bench
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace palpate::bench {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using DF = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+
+struct Lane3 {
+  VF x, y, z;
+};
+
+struct Pose {
+  explicit Pose(const FieldPose& pose) : p(pose) {}
+  HWY_INLINE Lane3 apply(VF x, VF y, VF z) const {
+    const DF d;
+    const auto row = [&](int a) HWY_ATTR {
+      return hn::Add(
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, p.m[a][0]), x), hn::Mul(hn::Set(d, p.m[a][1]), y)),
+                  hn::Mul(hn::Set(d, p.m[a][2]), z)),
+          hn::Set(d, p.t[a]));
+    };
+    return {row(0), row(1), row(2)};
+  }
+  const FieldPose& p;
+};
+
+// The dense field as the SIMD peers read it.
+struct Field {
+  explicit Field(const DenseField& f)
+      : base(f.value.data()), row(f.dims[0]), slice(f.dims[0] * f.dims[1]) {
+    for (std::size_t a = 0; a < 3; ++a) last[a] = static_cast<float>(f.dims[a] - 1);
+  }
+
+  struct Cell {
+    VI at;
+    Lane3 f;
+  };
+  // Clamped into the box of centres.
+  HWY_INLINE Lane3 clamp(const Lane3& u) const {
+    const DF d;
+    const auto one = [&](VF v, float top)
+                         HWY_ATTR { return hn::Min(hn::Max(v, hn::Zero(d)), hn::Set(d, top)); };
+    return {one(u.x, last[0]), one(u.y, last[1]), one(u.z, last[2])};
+  }
+  HWY_INLINE hn::Mask<DF> inside(const Lane3& u, const Lane3& clamped) const {
+    return hn::And(hn::And(hn::Eq(u.x, clamped.x), hn::Eq(u.y, clamped.y)), hn::Eq(u.z, clamped.z));
+  }
+  // `u` within the box. A far face's points read one sample past it with weight zero.
+  HWY_INLINE Cell cell(const Lane3& u) const {
+    const DF d;
+    const DI di;
+    const VI i = hn::ConvertTo(di, u.x);
+    const VI j = hn::ConvertTo(di, u.y);
+    const VI k = hn::ConvertTo(di, u.z);
+    const VI at = hn::Add(hn::Add(hn::Mul(k, hn::Set(di, slice)), hn::Mul(j, hn::Set(di, row))), i);
+    return {at,
+            {hn::Sub(u.x, hn::ConvertTo(d, i)), hn::Sub(u.y, hn::ConvertTo(d, j)),
+             hn::Sub(u.z, hn::ConvertTo(d, k))}};
+  }
+  HWY_INLINE VF nearest(const Lane3& u) const {
+    const DF d;
+    const VF half = hn::Set(d, 0.5f);
+    const Cell c = cell({hn::Add(u.x, half), hn::Add(u.y, half), hn::Add(u.z, half)});
+    return hn::GatherIndex(d, base, c.at);
+  }
+
+  const float* base;
+  std::int32_t row, slice;
+  float last[3];
+};
+
+struct Corners {
+  VF v[8];
+};
+HWY_INLINE Corners corners(const Field& field, VI at) {
+  const DF d;
+  const std::int32_t r = field.row;
+  const std::int32_t s = field.slice;
+  const float* b = field.base;
+  return {{hn::GatherIndex(d, b, at), hn::GatherIndex(d, b + 1, at), hn::GatherIndex(d, b + r, at),
+           hn::GatherIndex(d, b + r + 1, at), hn::GatherIndex(d, b + s, at),
+           hn::GatherIndex(d, b + s + 1, at), hn::GatherIndex(d, b + s + r, at),
+           hn::GatherIndex(d, b + s + r + 1, at)}};
+}
+
+HWY_INLINE VF mix(VF a, VF b, VF t) {
+  return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
+}
+
+struct Sample {
+  VF value, gx, gy, gz;
+};
+HWY_INLINE VF interpolate(const Corners& c, const Lane3& f) {
+  const VF r00 = mix(c.v[0], c.v[1], f.x);
+  const VF r01 = mix(c.v[2], c.v[3], f.x);
+  const VF r10 = mix(c.v[4], c.v[5], f.x);
+  const VF r11 = mix(c.v[6], c.v[7], f.x);
+  return mix(mix(r00, r01, f.y), mix(r10, r11, f.y), f.z);
+}
+HWY_INLINE Sample sample(const Corners& c, const Lane3& f) {
+  const VF r00 = mix(c.v[0], c.v[1], f.x);
+  const VF r01 = mix(c.v[2], c.v[3], f.x);
+  const VF r10 = mix(c.v[4], c.v[5], f.x);
+  const VF r11 = mix(c.v[6], c.v[7], f.x);
+  const VF s0 = mix(r00, r01, f.y);
+  const VF s1 = mix(r10, r11, f.y);
+  return {mix(s0, s1, f.z),
+          mix(mix(hn::Sub(c.v[1], c.v[0]), hn::Sub(c.v[3], c.v[2]), f.y),
+              mix(hn::Sub(c.v[5], c.v[4]), hn::Sub(c.v[7], c.v[6]), f.y), f.z),
+          mix(hn::Sub(r01, r00), hn::Sub(r11, r10), f.z), hn::Sub(s1, s0)};
+}
+
+template <class V>
+HWY_INLINE void pack(V v, hn::Mask<DF> mask, float* to) {
+  hn::StoreU(hn::Compress(v, mask), DF(), to);
+}
+
+HWY_INLINE void emit(const Sample& s, hn::Mask<DF> mask, const std::uint32_t* index,
+                     ContactList& out) {
+  const DF d;
+  const hn::Rebind<std::uint32_t, DF> du;
+  const VF length2 =
+      hn::Add(hn::Add(hn::Mul(s.gx, s.gx), hn::Mul(s.gy, s.gy)), hn::Mul(s.gz, s.gz));
+  const VF scale = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Max(length2, hn::Set(d, 1e-30f))));
+  const std::size_t n = out.count;
+  const hn::Mask<decltype(du)> mu = hn::RebindMask(du, mask);
+  hn::StoreU(hn::Compress(hn::LoadU(du, index), mu), du, &out.index[n]);
+  pack(hn::Neg(s.value), mask, &out.depth[n]);
+  pack(hn::Mul(s.gx, scale), mask, &out.nx[n]);
+  pack(hn::Mul(s.gy, scale), mask, &out.ny[n]);
+  pack(hn::Mul(s.gz, scale), mask, &out.nz[n]);
+  out.count = n + hn::CountTrue(d, mask);
+}
+
+// Sixteen points from `rank` on.
+HWY_INLINE void testPoints(const Field& field, const Pose& pose, const ProbeTree& probe,
+                           std::size_t rank, ContactList& out) {
+  const DF d;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const Lane3 u =
+        pose.apply(hn::LoadU(d, &probe.point.x[rank + l]), hn::LoadU(d, &probe.point.y[rank + l]),
+                   hn::LoadU(d, &probe.point.z[rank + l]));
+    const Lane3 c = field.clamp(u);
+    const auto in = field.inside(u, c);
+    if (hn::AllFalse(d, in)) continue;
+    const Field::Cell cell = field.cell(c);
+    const Sample s = sample(corners(field, cell.at), cell.f);
+    const auto hit = hn::And(in, hn::Lt(s.value, hn::Zero(d)));
+    if (!hn::AllFalse(d, hit)) emit(s, hit, &probe.order[rank + l], out);
+  }
+}
+
+void findDense(DenseWork& work, const FieldPose& p, ContactList& out) {
+  const Field field(*work.field);
+  const Pose pose(p);
+  out.count = 0;
+  for (std::size_t rank = 0; rank < work.probe->point.x.size(); rank += 16) {
+    testPoints(field, pose, *work.probe, rank, out);
+  }
+  work.tests = work.probe->points;
+}
+
+// Which of the sixteen spheres from `first` on may touch: their numbers are appended to `out`.
+template <bool kTuned>
+HWY_INLINE std::size_t testSpheres(const Field& field, const Pose& pose, const SphereLevel& level,
+                                   std::size_t first, std::uint32_t* out) {
+  const DF d;
+  const hn::Rebind<std::uint32_t, DF> du;
+  std::size_t count = 0;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const std::size_t at = first + l;
+    const Lane3 u = pose.apply(hn::LoadU(d, &level.x[at]), hn::LoadU(d, &level.y[at]),
+                               hn::LoadU(d, &level.z[at]));
+    const VF r = hn::Mul(hn::LoadU(d, &level.r[at]), hn::Set(d, pose.p.perVoxel));
+    const Lane3 c = field.clamp(u);
+    const VF sx = hn::Sub(u.x, c.x);
+    const VF sy = hn::Sub(u.y, c.y);
+    const VF sz = hn::Sub(u.z, c.z);
+    const VF away2 = hn::Add(hn::Add(hn::Mul(sx, sx), hn::Mul(sy, sy)), hn::Mul(sz, sz));
+    auto live = hn::And(hn::Ge(r, hn::Zero(d)), hn::Le(away2, hn::Mul(r, r)));
+    if (hn::AllFalse(d, live)) continue;
+    if constexpr (kTuned) {
+      // Half the diagonal of a voxel is the farthest that the nearest sample can be.
+      live = hn::And(live, hn::Le(field.nearest(c), hn::Add(r, hn::Set(d, 0.8661f))));
+    } else {
+      const Field::Cell cell = field.cell(c);
+      live = hn::And(live, hn::Le(interpolate(corners(field, cell.at), cell.f), r));
+    }
+    const auto id = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(at)));
+    hn::StoreU(hn::Compress(id, hn::RebindMask(du, live)), du, out + count);
+    count += hn::CountTrue(d, live);
+  }
+  return count;
+}
+
+// Down the probe's tree; leaves the live nodes of level 0 in work.frontier.
+template <bool kTuned>
+HWY_INLINE std::size_t descend(DenseWork& work, const Field& field, const Pose& pose) {
+  const ProbeTree& probe = *work.probe;
+  std::size_t l = probe.level.size() - 1;
+  std::size_t count = testSpheres<kTuned>(field, pose, probe.level[l], 0, work.frontier.data());
+  work.tests += probe.level[l].count;
+  while (l-- > 0) {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      next += testSpheres<kTuned>(field, pose, probe.level[l], std::size_t{work.frontier[i]} * 16,
+                                  work.next.data() + next);
+    }
+    work.tests += count * 16;
+    std::swap(work.frontier, work.next);
+    count = next;
+  }
+  work.tests += count * 16;
+  return count;
+}
+
+void findRival(DenseWork& work, const FieldPose& p, ContactList& out) {
+  const Field field(*work.field);
+  const Pose pose(p);
+  out.count = 0;
+  work.tests = 0;
+  const std::size_t count = descend<false>(work, field, pose);
+  for (std::size_t i = 0; i < count; ++i) {
+    testPoints(field, pose, *work.probe, std::size_t{work.frontier[i]} * 16, out);
+  }
+}
+
+// Tuned leaves: addresses of a block of batches, then their values; contacts are packed with their
+// gradient and get their normals together.
+constexpr std::size_t kBlock = 16;
+struct alignas(64) Block {
+  std::int32_t at[kBlock * 16];
+  float fx[kBlock * 16], fy[kBlock * 16], fz[kBlock * 16];
+  float in[kBlock * 16];
+};
+
+HWY_INLINE void address(const Field& field, const Pose& pose, const ProbeTree& probe,
+                        std::size_t rank, std::size_t slot, Block& block) {
+  const DF d;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const Lane3 u =
+        pose.apply(hn::LoadU(d, &probe.point.x[rank + l]), hn::LoadU(d, &probe.point.y[rank + l]),
+                   hn::LoadU(d, &probe.point.z[rank + l]));
+    const Lane3 c = field.clamp(u);
+    const Field::Cell cell = field.cell(c);
+    hn::Store(cell.at, DI(), block.at + slot + l);
+    hn::Store(cell.f.x, d, block.fx + slot + l);
+    hn::Store(cell.f.y, d, block.fy + slot + l);
+    hn::Store(cell.f.z, d, block.fz + slot + l);
+    // A point outside the box can't be in contact: its bound stays below every value.
+    hn::Store(hn::IfThenElse(field.inside(u, c), hn::Zero(d), hn::Set(d, -1e30f)), d,
+              block.in + slot + l);
+  }
+}
+
+HWY_INLINE void evaluate(const Field& field, const ProbeTree& probe, const Block& block,
+                         std::size_t slot, std::size_t rank, ContactList& out) {
+  const DF d;
+  const hn::Rebind<std::uint32_t, DF> du;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const Lane3 f{hn::Load(d, block.fx + slot + l), hn::Load(d, block.fy + slot + l),
+                  hn::Load(d, block.fz + slot + l)};
+    const Sample s = sample(corners(field, hn::Load(DI(), block.at + slot + l)), f);
+    const auto hit = hn::Lt(s.value, hn::Load(d, block.in + slot + l));
+    const std::size_t n = out.count;
+    const auto mu = hn::RebindMask(du, hit);
+    hn::StoreU(hn::Compress(hn::LoadU(du, &probe.order[rank + l]), mu), du, &out.index[n]);
+    pack(hn::Neg(s.value), hit, &out.depth[n]);
+    pack(s.gx, hit, &out.nx[n]);
+    pack(s.gy, hit, &out.ny[n]);
+    pack(s.gz, hit, &out.nz[n]);
+    out.count = n + hn::CountTrue(d, hit);
+  }
+}
+
+HWY_INLINE void normalise(std::size_t from, ContactList& out) {
+  const DF d;
+  for (std::size_t i = from; i < out.count; i += hn::Lanes(d)) {
+    const VF x = hn::LoadU(d, &out.nx[i]);
+    const VF y = hn::LoadU(d, &out.ny[i]);
+    const VF z = hn::LoadU(d, &out.nz[i]);
+    const VF length2 = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+    const VF scale = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Max(length2, hn::Set(d, 1e-30f))));
+    hn::StoreU(hn::Mul(x, scale), d, &out.nx[i]);
+    hn::StoreU(hn::Mul(y, scale), d, &out.ny[i]);
+    hn::StoreU(hn::Mul(z, scale), d, &out.nz[i]);
+  }
+}
+
+void findTunedRival(DenseWork& work, const FieldPose& p, ContactList& out) {
+  const Field field(*work.field);
+  const Pose pose(p);
+  const ProbeTree& probe = *work.probe;
+  out.count = 0;
+  work.tests = 0;
+  const std::size_t count = descend<true>(work, field, pose);
+  Block block;
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    const std::size_t n = std::min(kBlock, count - first);
+    const std::size_t from = out.count;
+    for (std::size_t i = 0; i < n; ++i) {
+      address(field, pose, probe, std::size_t{work.frontier[first + i]} * 16, i * 16, block);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      evaluate(field, probe, block, i * 16, std::size_t{work.frontier[first + i]} * 16, out);
+    }
+    normalise(from, out);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace palpate::bench
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace palpate::bench {
+namespace {
+
+HWY_EXPORT(findDense);
+HWY_EXPORT(findRival);
+HWY_EXPORT(findTunedRival);
+
+enum class Kind { Dense, Rival, TunedRival };
+
+class DensePeer : public Peer {
+ public:
+  DensePeer(Kind kind, const DenseField& field, const ProbeTree& probe) : kind_(kind) {
+    work_.field = &field;
+    work_.probe = &probe;
+    const std::size_t nodes = probe.level.front().x.size() + 64;
+    work_.frontier.resize(nodes);
+    work_.next.resize(nodes);
+  }
+  [[nodiscard]] std::string name() const override {
+    return kind_ == Kind::Dense   ? "dense field, SIMD"
+           : kind_ == Kind::Rival ? "rival"
+                                  : "rival, tuned";
+  }
+  [[nodiscard]] std::size_t worldBytes() const override {
+    return work_.field->value.size() * sizeof(float);
+  }
+  [[nodiscard]] std::size_t tests() const override { return work_.tests; }
+  void find(const Eigen::Isometry3d& X_VT, ContactList& out) override {
+    const FieldPose pose(X_VT, work_.field->spacing);
+    switch (kind_) {
+      case Kind::Dense:
+        HWY_DYNAMIC_DISPATCH(findDense)(work_, pose, out);
+        break;
+      case Kind::Rival:
+        HWY_DYNAMIC_DISPATCH(findRival)(work_, pose, out);
+        break;
+      case Kind::TunedRival:
+        HWY_DYNAMIC_DISPATCH(findTunedRival)(work_, pose, out);
+        break;
+    }
+  }
+
+ private:
+  Kind kind_;
+  DenseWork work_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> makeDenseSimd(const DenseField& field, const ProbeTree& probe) {
+  return std::make_unique<DensePeer>(Kind::Dense, field, probe);
+}
+std::unique_ptr<Peer> makeRival(const DenseField& field, const ProbeTree& probe) {
+  return std::make_unique<DensePeer>(Kind::Rival, field, probe);
+}
+std::unique_ptr<Peer> makeTunedRival(const DenseField& field, const ProbeTree& probe) {
+  return std::make_unique<DensePeer>(Kind::TunedRival, field, probe);
+}
+
+}  // namespace palpate::bench
+#endif
