@@ -17,8 +17,17 @@ void rotate(const Eigen::Quaterniond& q, double (&v)[3]) noexcept {
   for (int i = 0; i < 3; ++i) v[i] = r[i];
 }
 
-bool finite(const double (&v)[3]) noexcept {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+bool within(const double (&v)[3], double most) noexcept {
+  return std::abs(v[0]) <= most && std::abs(v[1]) <= most && std::abs(v[2]) <= most;
+}
+
+/// In D. Beyond any arm's reach or motor's speed, and not a number: corrupted, not fast. What is
+/// merely too fast is the velocity stop's.
+bool plausible(const DeviceSample& s) noexcept {
+  constexpr double kReach = 10.0;     // m
+  constexpr double kSpeed = 1000.0;   // m/s
+  constexpr double kSpeedR = 1000.0;  // rad/s
+  return isRigid(s.pose) && within(s.pose.p, kReach) && within(s.v, kSpeed) && within(s.w, kSpeedR);
 }
 
 }  // namespace
@@ -47,7 +56,7 @@ DeviceSample ServoLoop::readDevice() noexcept {
   s.index = tick_;
   s.t = static_cast<double>(tick_) * settings_.period;
   const bool absent = (s.status & (kDeviceLost | kDeviceNotReady)) != 0;
-  if (absent || !isRigid(s.pose) || !finite(s.v) || !finite(s.w)) {
+  if (absent || !plausible(s)) {
     if (!absent) s.status |= kDeviceInvalidSample;
     s.pose = lastGood_;
     for (int i = 0; i < 3; ++i) s.v[i] = s.w[i] = 0.0;

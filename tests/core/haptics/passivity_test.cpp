@@ -1,0 +1,89 @@
+#include "core/haptics/passivity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+DeviceSample at(double x, double v = 0.0) {
+  DeviceSample s;
+  s.pose.p[0] = x;
+  s.v[0] = v;
+  return s;
+}
+
+Wrench force(double f) {
+  Wrench w;
+  w.force[0] = f;
+  return w;
+}
+
+TEST(PassivityObserver, BooksTheHeldForceOverTheDisplacement) {
+  // A spring pressed in by 1 mm and let out: each tick's force acts over the next displacement.
+  PassivityObserver o;
+  double expected = 0.0, x = 0.0, f = 0.0;
+  for (int i = 0; i <= 100; ++i) {
+    const double next = 1e-3 * std::sin(M_PI * i / 100.0);
+    expected -= f * (next - x);
+    x = next;
+    o.observe(at(x));
+    EXPECT_NEAR(o.energy(), expected, 1e-15);
+    f = -500.0 * x;
+    o.commit(force(f));
+  }
+  // The hold of a spring gives back a little more than it took: ½·K·Σ dx².
+  EXPECT_LT(o.energy(), 0.0);
+}
+
+TEST(PassivityObserver, CountsTorqueOverTheTurn) {
+  PassivityObserver o;
+  DeviceSample s;
+  o.observe(s);
+  Wrench w;
+  w.torque[2] = 0.1;
+  o.commit(w);
+  s.pose = plain(Eigen::Vector3d::Zero(), expMap({0, 0, 0.01}));
+  o.observe(s);
+  EXPECT_NEAR(o.energy(), -0.1 * 0.01, 1e-15);
+}
+
+TEST(PassivityObserver, DampsOnlyWhenTheBalanceIsNegative) {
+  PassivityObserver o;
+  o.observe(at(0.0));
+  Wrench out = o.dissipate(force(1.0), at(0.0, 0.1), 1e-3, 3.0);
+  EXPECT_EQ(out.force[0], 1.0);
+  o.commit(force(1.0));
+  o.observe(at(1e-5));  // driven: 10 µJ given
+  out = o.dissipate(force(1.0), at(1e-5, 0.1), 1e-3, 3.0);
+  EXPECT_NEAR(out.force[0], 1.0 - 1e-5 / (1e-3 * 0.01) * 0.1, 1e-9);  // α = -E/(T·v²) = 1
+  o.commit(force(1.0));
+  o.observe(at(2e-4));
+  out = o.dissipate(force(1.0), at(2e-4, 0.1), 1e-3, 3.0);
+  EXPECT_NEAR(out.force[0], 1.0 - 3.0 * 0.1, 1e-12);  // no more than the most
+}
+
+TEST(PassivityObserver, LetsAWrenchDriveTheHandOnlyAsFarAsTheBalanceGoes) {
+  PassivityObserver o;
+  o.observe(at(0.0));
+  EXPECT_EQ(o.passiveFraction(force(1.0), at(0.0, -0.1), 1e-3), 1.0);  // it brakes
+  EXPECT_NEAR(o.passiveFraction(force(1.0), at(0.0, 0.1), 1e-3), kPassivityReserve / 1e-4, 1e-9);
+  o.commit(force(-1.0));
+  o.observe(at(1e-3));  // 1 mJ taken
+  EXPECT_EQ(o.passiveFraction(force(1.0), at(1e-3, 0.1), 1e-3), 1.0);
+}
+
+TEST(PassivityObserver, FailsBeyondItsReachAndStartsAnewWhenCleared) {
+  PassivityObserver o;
+  o.observe(at(0.0));
+  o.commit(force(1.0));
+  o.observe(at(6e-4));
+  EXPECT_TRUE(o.failed());
+  o.rebase();
+  EXPECT_FALSE(o.failed());
+  EXPECT_NEAR(o.energy(), -6e-4, 1e-12);  // the record is not rewritten
+}
+
+}  // namespace
+}  // namespace palpate
