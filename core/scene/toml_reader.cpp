@@ -76,18 +76,17 @@ std::string quoted(const std::string& text) {
 }
 
 Result<TomlFile> parseTomlText(const std::string& text, const std::string& path) {
-  toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    const auto& why = parsed.error();
+  TomlFile file;
+  file.path = path;
+  try {
+    file.root = toml::parse(text);
+  } catch (const toml::parse_error& why) {
     return fail(inputRefused("The file is not valid TOML.")
                     .inFile(path)
                     .inField("line " + std::to_string(why.source().begin.line))
                     .butFound(std::string(why.description()))
                     .advise("Correct that line."));
   }
-  TomlFile file;
-  file.path = path;
-  file.root = std::move(parsed).table();
   return file;
 }
 

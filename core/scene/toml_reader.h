@@ -5,8 +5,8 @@
 /// expected; the readers after it do nothing, so that a caller reads all keys and asks once. For
 /// the .cpp files of this room only.
 
-#define TOML_EXCEPTIONS 0
-#define TOML_ENABLE_FORMATTERS 0
+// toml++ is configured one way in the whole program (its defaults): its functions are shared at
+// link.
 #include <toml++/toml.h>
 
 #include <Eigen/Core>

@@ -190,7 +190,7 @@ void writeHead(SessionWriter& writer, const PreparedScene& scene, const DeviceIn
   writer.meta("finished", "0");
   for (const auto& [name, data] : partsOf(scene)) writer.part(name, data);
   Packer gains;
-  pack(gains, recommendedGains(device));
+  pack(gains, recommendedGains(device, scene.scene.setting.stepPeriod));  // as the runner has them
   writer.part("gains", gains.bytes());
   writer.commit();
 }

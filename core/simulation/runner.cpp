@@ -32,7 +32,7 @@ ServoSettings servoSettings(const PreparedScene& scene, const DeviceInfo& info,
   ServoSettings settings;
   settings.period = kServoPeriod;
   settings.X_WD = scene.X_WD;
-  settings.gains = recommendedGains(info);
+  settings.gains = recommendedGains(info, scene.scene.setting.stepPeriod);
   settings.limits = recommendedLimits(info, kServoPeriod);
   settings.declaredStepTicks = stepTicks;
   return settings;
@@ -45,7 +45,7 @@ class LoopRunner final : public Runner {
       : scene_(std::move(scene)),
         device_(std::move(device)),
         options_(options),
-        simulation_(scene_, recommendedGains(device_->info())),
+        simulation_(scene_, recommendedGains(device_->info(), scene_->scene.setting.stepPeriod)),
         servo_(*device_, servoSettings(*scene_, device_->info(), simulation_.stepTicks())),
         commands_(kCommandCapacity) {
     ::sem_init(&ticked_, 0, 0);

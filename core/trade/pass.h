@@ -19,7 +19,7 @@ namespace palpate {
 struct Pass {
   std::vector<Eigen::Vector3d> force_W;      ///< Of the coupling on the device, a step. N.
   std::vector<PlainPose> tool;               ///< X_WT a step.
-  std::vector<double> micros;                ///< Compute time a step.
+  std::vector<double> micros;                ///< Compute time a step: median of three runs.
   std::vector<std::vector<Contact>> probed;  ///< Contacts at each probing pose, V.
 };
 

@@ -21,9 +21,10 @@ Eigen::Vector3d tip_D(double t, double heading, double rate) {
   // Half a cosine: at rest at both ends, so that arriving makes no jump of velocity.
   const double eased = 0.5 - 0.5 * std::cos(kPi * down);
   const double y = kAbove - (kAbove + kBelow) * eased;
+  // Sums of (1 - cos): the slide, too, begins at rest.
   const double slide = std::max(t - kApproach_s, 0.0);
-  const double along = kReach * std::sin(2.0 * kPi * rate * slide);
-  const double across = 0.5 * kReach * (1.0 - std::cos(4.0 * kPi * rate * slide)) * 0.5;
+  const double along = 0.5 * kReach * (1.0 - std::cos(2.0 * kPi * rate * slide));
+  const double across = 0.25 * kReach * (1.0 - std::cos(4.0 * kPi * rate * slide));
   return {along * std::cos(heading) - across * std::sin(heading), y,
           along * std::sin(heading) + across * std::cos(heading)};
 }
