@@ -1,8 +1,16 @@
 # The desktop's sources; included by app/CMakeLists.txt, which links palpate::desktop to the program.
-add_library(palpate_desktop STATIC
-  desktop.cpp)
-add_library(palpate::desktop ALIAS palpate_desktop)
-target_include_directories(palpate_desktop PUBLIC ${PROJECT_SOURCE_DIR})
-target_link_libraries(palpate_desktop
-  PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices
-  PRIVATE palpate::warnings)
+palpate_library(desktop
+  SOURCES
+    desktop.cpp
+    desktop_actions.cpp
+    desktop_case.cpp
+    desktop_child.cpp
+    desktop_import.cpp
+    desktop_job.cpp
+    desktop_loop.cpp
+    desktop_recent.cpp
+    desktop_review.cpp
+    desktop_segment.cpp
+    desktop_simulation.cpp
+  PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
+  PRIVATE nlohmann_json::nlohmann_json)

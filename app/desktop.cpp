@@ -2,11 +2,23 @@
 
 #include <cstdio>
 
-namespace palpate {
+#include "app/desktop_loop.h"
 
-int runDesktop(const DesktopOptions&) {
-  std::fputs("The window is not part of this build yet.\n", stderr);
-  return 4;
+namespace palpate {
+namespace {
+
+int leave(const Error& error) {
+  std::fprintf(stderr, "%s\n", sentence(error).c_str());
+  return exitCode(error.kind);
+}
+
+}  // namespace
+
+int runDesktop(const DesktopOptions& options) {
+  auto desktop = Desktop::open(options);
+  if (!desktop) return leave(desktop.error());
+  const Result<void> done = options.screenshot ? (*desktop)->renderPicture() : (*desktop)->run();
+  return done ? 0 : leave(done.error());
 }
 
 }  // namespace palpate

@@ -7,5 +7,5 @@ uniform vec3 baseColour;
 uniform float opacity;
 void main() {
   float facing = abs(dot(normalize(eyeNormal), normalize(-eyePosition)));
-  colour = vec4(baseColour, opacity * (0.25 + 0.75 * pow(1.0 - facing, 1.5)));
+  colour = vec4(baseColour, opacity * (0.08 + 0.92 * pow(1.0 - facing, 2.2)));
 }

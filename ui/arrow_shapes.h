@@ -8,7 +8,7 @@
 namespace palpate::ui {
 
 /// Millimetres of arrow for a newton, and the longest.
-inline constexpr double kArrow_mmPerN = 28.0;
+inline constexpr double kArrow_mmPerN = 36.0;
 inline constexpr double kLongestArrow_mm = 90.0;
 
 /// From `tail_mm` along `direction` (unit), `length_mm` long; shaft radius `radius_mm`.

@@ -15,12 +15,16 @@ constexpr std::array<ImWchar, 17> kText{0x20,   0x2f,   0x3a,   0x17f,  0x370,  
                                         0x2190, 0x21ff, 0x2200, 0x22ff, 0};
 constexpr std::array<ImWchar, 3> kIcons{0xf000, 0xf2e0, 0};
 
-/// Every digit as wide as the widest ('0' in Inter, 0.64 em or less): numbers hold still.
+// Dear ImGui's size is ascent plus descent, a designer's size is the em: 1.21 in Inter.
+constexpr float kLinePerEm = 1.21F;
+
+/// Every digit as wide as the widest ('0' in Inter, 0.64 em): numbers hold still.
 ImFont* addTabular(ImFontAtlas& atlas, const std::filesystem::path& text,
-                   const std::filesystem::path& icons, float size) {
+                   const std::filesystem::path& icons, float em) {
+  const float size = std::round(em * kLinePerEm);
   ImFontConfig digits;
   digits.OversampleH = 2;
-  digits.GlyphMinAdvanceX = digits.GlyphMaxAdvanceX = std::round(size * 0.64F);
+  digits.GlyphMinAdvanceX = digits.GlyphMaxAdvanceX = std::round(em * 0.63F);
   ImFont* font = atlas.AddFontFromFileTTF(text.c_str(), size, &digits, kDigits.data());
   ImFontConfig rest;
   rest.OversampleH = 2;
@@ -28,9 +32,9 @@ ImFont* addTabular(ImFontAtlas& atlas, const std::filesystem::path& text,
   atlas.AddFontFromFileTTF(text.c_str(), size, &rest, kText.data());
   ImFontConfig symbols;
   symbols.MergeMode = true;
-  symbols.GlyphMinAdvanceX = symbols.GlyphMaxAdvanceX = std::round(size * 1.2F);
-  symbols.GlyphOffset = ImVec2(0.0F, std::round(size * 0.05F));
-  atlas.AddFontFromFileTTF(icons.c_str(), size * 0.95F, &symbols, kIcons.data());
+  symbols.GlyphMinAdvanceX = symbols.GlyphMaxAdvanceX = std::round(em * 1.3F);
+  symbols.GlyphOffset = ImVec2(0.0F, std::round(em * 0.08F));
+  atlas.AddFontFromFileTTF(icons.c_str(), em * 1.08F, &symbols, kIcons.data());
   return font;
 }
 
@@ -56,10 +60,10 @@ Result<Fonts> loadFonts(const std::filesystem::path& folder, float scale) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   Fonts fonts;
-  fonts.body = addTabular(atlas, regular, icons, std::round(15.0F * scale));
-  fonts.secondary = addTabular(atlas, regular, icons, std::round(13.0F * scale));
-  fonts.strong = addTabular(atlas, semibold, icons, std::round(15.0F * scale));
-  fonts.heading = addTabular(atlas, semibold, icons, std::round(20.0F * scale));
+  fonts.body = addTabular(atlas, regular, icons, 15.0F * scale);
+  fonts.secondary = addTabular(atlas, regular, icons, 13.0F * scale);
+  fonts.strong = addTabular(atlas, semibold, icons, 15.0F * scale);
+  fonts.heading = addTabular(atlas, semibold, icons, 20.0F * scale);
   atlas.Build();
   return fonts;
 }

@@ -82,13 +82,13 @@ void ToolLayer::drawWrench(const Snapshot& snapshot, const Camera& camera,
   const Eigen::Vector3d force = vec(snapshot.felt.force);
   if (force.norm() > kLeastForce_N) {
     const double length = std::min(kLongestArrow_mm, kArrow_mmPerN * force.norm());
-    show(arrowShape(tip, force.normalized(), length, 1.7 * pixel), theme.accent);
+    show(arrowShape(tip, force.normalized(), length, 2.4 * pixel), theme.accent);
   }
   // The contact's torque about the tip: most devices draw it because they cannot make it felt.
   const Eigen::Vector3d torque = vec(snapshot.contact.torque);
   if (torque.norm() > kLeastTorque_Nm) {
-    show(arcShape(tip, torque.normalized(), 26.0 * pixel, torque.norm() * kArcPerTorque,
-                  1.4 * pixel),
+    show(arcShape(tip, torque.normalized(), 30.0 * pixel, torque.norm() * kArcPerTorque,
+                  1.8 * pixel),
          theme.attention);
   }
   glDisable(GL_CULL_FACE);
@@ -119,8 +119,7 @@ void ToolLayer::draw(const Snapshot& snapshot, const Camera& camera,
   const double apart_mm =
       (position(snapshot.tool) - position(snapshot.device)).norm() * kMillimetresPerMetre;
   if (apart_mm > kGhostFrom_mm) {
-    glDisable(GL_DEPTH_TEST);
-    ghost_.set("opacity", static_cast<float>(std::min(0.45, 0.12 + 0.06 * apart_mm)));
+    ghost_.set("opacity", static_cast<float>(std::min(0.75, 0.25 + 0.08 * apart_mm)));
     drawBody(ghost_, camera, origin_mm, snapshot.device);
   }
   glDepthMask(GL_TRUE);

@@ -25,6 +25,7 @@ Result<std::unique_ptr<Workspace>> Workspace::load(const std::filesystem::path& 
 void Workspace::showVolume(const Volume& volume) {
   textures_.setVolume(volume);
   modality_ = volume.modality;
+  followedStep_ = ~std::uint64_t{0};
   const Rect& area = layout_.view[0];
   const double aspect = area.h > 0.0F ? static_cast<double>(area.w / area.h) : 1.0;
   resetViews(state_, volume, aspect);

@@ -1,0 +1,113 @@
+#include "app/desktop_case.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/units.h"
+#include "ui/format.h"
+
+namespace palpate {
+
+Result<OpenCase> readCase(const std::filesystem::path& folder, const Progress& progress) {
+  OpenCase open;
+  open.folder = folder;
+  progress(0.0, "Reading the case");
+  auto info = readCaseInfo(folder);
+  if (!info) return fail(info.error());
+  open.info = std::move(*info);
+  progress(0.1, "Reading the volume");
+  auto volume = readCaseVolume(folder);
+  if (!volume) return fail(volume.error());
+  if (volume->modality.empty()) volume->modality = open.info.modality;
+  open.volume = std::make_shared<const Volume>(std::move(*volume));
+  if (progress.cancelled()) return fail(cancelled());
+  if (caseHasLabels(folder)) {
+    progress(0.7, "Reading the labels");
+    auto table = readCaseLabelTable(folder);
+    if (!table) return fail(table.error());
+    auto labels = readCaseLabels(folder);
+    if (!labels) return fail(labels.error());
+    if (labels->geometry.dims != open.volume->geometry.dims) {
+      return fail(inputRefused("The labels of this case do not fit its volume.")
+                      .inFile((folder / "labels.mha").string())
+                      .advise("Remove labels.mha and segment again."));
+    }
+    open.table = std::move(*table);
+    open.labels = std::make_shared<const LabelGrid>(std::move(*labels));
+  }
+  progress(1.0, "Read");
+  return open;
+}
+
+std::vector<float> histogramOf(const Volume& volume, std::size_t bins) {
+  const auto [low, high] = valueRange(volume);
+  std::vector<double> count(bins, 0.0);
+  const double span = std::max(1e-9, high - low);
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    const double f = (volume.value(i) - low) / span * static_cast<double>(bins);
+    const auto bin = static_cast<std::size_t>(std::max(0.0, f));
+    count[std::min(bins - 1, bin)] += 1.0;
+  }
+  // Air would dwarf everything on a linear scale.
+  const double most = std::log1p(*std::max_element(count.begin(), count.end()));
+  std::vector<float> heights;
+  for (const double c : count)
+    heights.push_back(static_cast<float>(std::log1p(c) / std::max(1e-9, most)));
+  return heights;
+}
+
+ui::CaseModel describeCase(const OpenCase& open) {
+  ui::CaseModel model;
+  model.open = true;
+  model.folder = open.folder;
+  model.title = open.info.pseudonym.empty() ? open.folder.filename().string() : open.info.pseudonym;
+  if (!open.info.description.empty()) model.title = open.info.description;
+  model.modality = open.volume->modality;
+  const GridGeometry& g = open.volume->geometry;
+  model.geometry = ui::spacingText(millimetres(g.spacing.x()), millimetres(g.spacing.y()),
+                                   millimetres(g.spacing.z()));
+  model.source = open.info.sourceFormat + ", " + std::to_string(g.dims[0]) + " \xc3\x97 " +
+                 std::to_string(g.dims[1]) + " \xc3\x97 " + std::to_string(g.dims[2]);
+  model.warnings = open.info.warnings;
+  model.repairs = open.info.repairs;
+  model.lossy = open.info.lossy;
+  const auto [low, high] = valueRange(*open.volume);
+  model.valueRange = {low, high};
+  model.histogram = histogramOf(*open.volume, 128);
+  return model;
+}
+
+std::vector<ui::LabelRow> labelRows(const OpenCase& open) {
+  std::vector<ui::LabelRow> rows;
+  if (!open.labels) return rows;
+  const auto counts = countLabels(*open.labels, open.table);
+  for (const LabelInfo& label : open.table) {
+    ui::LabelRow row{label.name, label.value, label.colour, 0, 0.0, true};
+    for (const LabelCount& count : counts) {
+      if (count.value != label.value) continue;
+      row.voxels = count.voxels;
+      row.mm3 = count.mm3;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Result<std::vector<LabelSurface>> surfacesOf(const LabelGrid& labels, const LabelTable& table,
+                                             int step, const Progress& progress) {
+  std::vector<LabelSurface> surfaces;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double base = static_cast<double>(i) / static_cast<double>(table.size());
+    Progress part;
+    part.cancel = progress.cancel;
+    part.report = [&](double f, const std::string&) {
+      progress(base + f / static_cast<double>(table.size()), "Surface of " + table[i].name);
+    };
+    auto chunks = meshLabel(labels, table[i].value, step, part);
+    if (!chunks) return fail(chunks.error());
+    surfaces.push_back({table[i].value, std::move(*chunks)});
+  }
+  return surfaces;
+}
+
+}  // namespace palpate

@@ -1,0 +1,202 @@
+/// The library: opening cases, importing scans in a child process, the demo.
+
+#include <nlohmann/json.hpp>
+
+#include "app/desktop_child.h"
+#include "app/desktop_loop.h"
+#include "core/geometry/units.h"
+#include "imaging/segmentation.h"
+#include "ui/format.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A hostile file may ask for anything; a large CT needs about 3 GiB while it is read.
+const std::vector<std::string> kLimits{"--limit-memory-mib", "8192", "--limit-seconds", "900"};
+
+/// Untouched where a text is missing or not a text.
+std::string textOr(const nlohmann::json& json, const char* key, const std::string& otherwise) {
+  return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : otherwise;
+}
+
+std::vector<ui::SeriesRow> seriesRows(const std::string& output) {
+  std::vector<ui::SeriesRow> rows;
+  const auto json = nlohmann::json::parse(output, nullptr, false);
+  if (!json.is_object() || !json.contains("series")) return rows;
+  for (const auto& series : json["series"]) {
+    ui::SeriesRow row;
+    row.uid = textOr(series, "uid", "");
+    row.importable = series.value("importable", false);
+    row.reason = textOr(series, "reason", "");
+    const std::string description = textOr(series, "description", "");
+    const std::string modality = textOr(series, "modality", "");
+    row.title = description.empty() ? modality + " series" : modality + " \xc2\xb7 " + description;
+    if (series.contains("dims") && series["dims"].is_array() && series["dims"].size() == 3) {
+      row.detail = std::to_string(series["dims"][0].get<int>()) + " \xc3\x97 " +
+                   std::to_string(series["dims"][1].get<int>()) + " \xc3\x97 " +
+                   std::to_string(series["dims"][2].get<int>());
+    }
+    if (series.contains("spacing_mm") && series["spacing_mm"].is_array() &&
+        series["spacing_mm"].size() == 3) {
+      row.detail += " \xc2\xb7 " + ui::spacingText(series["spacing_mm"][0].get<double>(),
+                                                   series["spacing_mm"][1].get<double>(),
+                                                   series["spacing_mm"][2].get<double>());
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+void Desktop::openFirstCase() {
+  if (options_.casePath) {
+    openCase(*options_.casePath);
+    return;
+  }
+  const auto recent = recent_.list();
+  if (!recent.empty()) {
+    openCase(recent.front().folder);
+  } else if (model_.library.demoAvailable) {
+    openDemo();
+  }
+}
+
+void Desktop::openCase(const fs::path& folder) {
+  stopRun();
+  jobs_.add("Opening the case", [this, folder](const Progress& progress) {
+    auto read = std::make_shared<Result<OpenCase>>(readCase(folder, progress));
+    return [this, read] {
+      if (!*read) {
+        refused_ = true;
+        refusal_ = read->error();
+        if (read->error().kind != ErrorKind::Cancelled) {
+          complain(read->error(), "Nothing was changed.");
+        }
+        return;
+      }
+      showCase(std::move(**read));
+    };
+  });
+}
+
+void Desktop::showCase(OpenCase open) {
+  simulation_.setScene(nullptr);
+  review_.clear();
+  undo_.clear();
+  sceneInstrument_.clear();
+  open_ = std::move(open);
+  workspace_->showVolume(*open_->volume);
+  model_.openCase = describeCase(*open_);
+  model_.presetRanges.clear();
+  for (const Preset& preset : segmentationPresets()) {
+    if (!open_->volume->modality.empty() && preset.modality != open_->volume->modality) continue;
+    const auto range = presetRange(preset.name, *open_->volume);
+    model_.presetRanges.push_back(range ? *range : ThresholdRange{});
+  }
+  recent_.add(open_->folder);
+  model_.library.recent = recent_.list();
+  refreshSessions();
+  labelsChanged();
+  if (options_.task.empty()) {
+    model_.task = open_->labels ? ui::Task::Simulate : ui::Task::Segment;
+  }
+}
+
+void Desktop::openDemo() {
+  std::error_code error;
+  if (options_.demoCase && fs::exists(*options_.demoCase / "case.toml", error)) {
+    openCase(*options_.demoCase);
+  } else if (options_.demoScan && options_.demoCase) {
+    importInto(*options_.demoScan, "", *options_.demoCase, true);
+  }
+}
+
+fs::path Desktop::newCaseFolder(const fs::path& scan) const {
+  // Never the scan's own name: it may be the patient's.
+  const fs::path cases = options_.userFolder / "cases";
+  std::error_code error;
+  for (int i = 1;; ++i) {
+    const fs::path folder = cases / ("case-" + std::to_string(i));
+    if (!fs::exists(folder, error)) return folder;
+  }
+  return cases / scan.stem();
+}
+
+void Desktop::importScan(const fs::path& path) {
+  if (jobs_.busy()) return;
+  stopRun();
+  jobs_.add("Looking for scans", [this, path](const Progress& progress) {
+    std::vector<std::string> arguments{"series", path.string(), "--json", "--progress"};
+    arguments.insert(arguments.end(), kLimits.begin(), kLimits.end());
+    const auto output = runChild(options_.palpateExecutable, arguments, progress);
+    return [this, path, output] {
+      if (!output) return complain(output.error(), "Nothing was imported.");
+      const auto rows = seriesRows(*output);
+      std::vector<ui::SeriesRow> importable;
+      for (const auto& row : rows) {
+        if (row.importable) importable.push_back(row);
+      }
+      if (rows.size() > 1 && !importable.empty()) {
+        model_.library.series = rows;
+        model_.library.seriesPath = path;
+        model_.task = ui::Task::Library;
+      } else {
+        // One volume, or none: the import itself says best why it is refused.
+        importInto(path, importable.size() == 1 ? importable.front().uid : "", newCaseFolder(path),
+                   false);
+      }
+    };
+  });
+}
+
+void Desktop::importSeries(const fs::path& path, const std::string& uid, const std::string&) {
+  if (jobs_.busy()) return;
+  model_.library.series.clear();
+  importInto(path, uid, newCaseFolder(path), false);
+}
+
+void Desktop::importInto(const fs::path& path, const std::string& uid, const fs::path& folder,
+                         bool demo) {
+  std::error_code error;
+  fs::create_directories(folder.parent_path(), error);
+  fs::permissions(folder.parent_path(), fs::perms::owner_all, error);
+  jobs_.add(demo ? "Preparing the demo case" : "Importing the scan",
+            [this, path, uid, folder, demo](const Progress& progress) {
+              std::vector<std::string> arguments{"import",        path.string(), "--out",
+                                                 folder.string(), "--json",      "--progress"};
+              if (!uid.empty()) arguments.insert(arguments.end(), {"--series", uid});
+              arguments.insert(arguments.end(), kLimits.begin(), kLimits.end());
+              auto output = runChild(options_.palpateExecutable, arguments, progress);
+              if (output && demo) {
+                output = runChild(options_.palpateExecutable,
+                                  {"segment", folder.string(), "--preset", "ct-bone", "--largest",
+                                   "--json", "--progress"},
+                                  progress);
+              }
+              return [this, folder, output] {
+                if (!output) {
+                  if (output.error().kind == ErrorKind::Cancelled) return;
+                  refused_ = true;
+                  refusal_ = output.error();
+                  return complain(output.error(), "No case was made.");
+                }
+                openCase(folder);
+              };
+            });
+}
+
+void Desktop::browse(const fs::path& folder) {
+  std::error_code error;
+  fs::path where = folder;
+  if (where.empty() || !fs::is_directory(where, error)) {
+    const char* home = std::getenv("HOME");
+    where = home != nullptr ? home : "/";
+  }
+  model_.library.directory = where;
+  model_.library.entries = listFolder(where);
+}
+
+}  // namespace palpate

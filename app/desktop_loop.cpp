@@ -1,0 +1,294 @@
+#include "app/desktop_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "core/devices/simulated_phantom.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using Seconds = std::chrono::duration<double>;
+
+constexpr std::size_t kTraceSamples = 140;
+constexpr double kIdle_s = 0.25;  // how long the window sleeps when nothing happens
+constexpr double kFrame_s = 1.0 / 60.0;
+constexpr double kSoftwareFrame_s = 1.0 / 30.0;  // leaves the cores to the servo
+// In a picture run: servo ticks a frame, so that frame n always shows the same moment.
+constexpr double kPictureStep_s = 0.016;
+
+double monotonic() {
+  return Seconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double norm(const double (&v)[3]) {
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+std::optional<ui::Task> taskNamed(const std::string& name) {
+  if (name == "library") return ui::Task::Library;
+  if (name == "segment") return ui::Task::Segment;
+  if (name == "simulate") return ui::Task::Simulate;
+  if (name == "review") return ui::Task::Review;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Desktop::Desktop(const DesktopOptions& options) : options_(options), recent_(options.userFolder) {}
+
+Result<std::unique_ptr<Desktop>> Desktop::open(const DesktopOptions& options) {
+  std::unique_ptr<Desktop> self(new Desktop(options));
+  ui::WindowOptions window;
+  window.width = options.width;
+  window.height = options.height;
+  window.light = options.lightTheme;
+  window.scale = options.uiScale;
+  if (options.screenshot) {
+    window.visible = false;
+    if (window.scale <= 0.0F) window.scale = 1.0F;  // not the display's: always the same picture
+  }
+  if (!options.fonts.empty()) window.fonts = options.fonts;
+  auto opened = ui::Window::open(window);
+  if (!opened) return fail(opened.error());
+  self->window_ = std::move(*opened);
+  auto workspace = ui::Workspace::load(options.shaders);
+  if (!workspace) return fail(workspace.error());
+  self->workspace_ = std::move(*workspace);
+  if (options.uiScript) {
+    auto script = ui::UiScript::read(*options.uiScript);
+    if (!script) return fail(script.error());
+    self->script_ = std::move(*script);
+  }
+  std::error_code error;
+  ui::Model& model = self->model_;
+  model.library.demoAvailable = (options.demoCase && fs::exists(*options.demoCase, error)) ||
+                                (options.demoScan && fs::exists(*options.demoScan, error));
+  model.library.recent = self->recent_.list();
+  model.task = taskNamed(options.task).value_or(ui::Task::Library);
+  model.hideTimes = options.screenshot.has_value();
+  model.simulate.devices = simulatedModels();
+  const auto touchX =
+      std::find(model.simulate.devices.begin(), model.simulate.devices.end(), "touch-x");
+  model.simulate.device = static_cast<std::size_t>(touchX - model.simulate.devices.begin());
+  model.simulate.latch = options.demoHand;
+  self->simulation_.setHand(options.demoHand || options.screenshot ? ui::HandKind::Demo
+                                                                   : ui::HandKind::Mouse);
+  self->startAfterPrepare_ = options.demoHand || options.screenshot.has_value();
+  self->readDatasets();
+  self->openFirstCase();
+  return self;
+}
+
+void Desktop::say(ui::MessageModel message) {
+  constexpr std::size_t kMost = 3;
+  if (model_.messages.size() >= kMost) model_.messages.erase(model_.messages.begin());
+  model_.messages.push_back(std::move(message));
+}
+
+void Desktop::complain(const Error& error, const std::string& meaning) {
+  if (error.kind == ErrorKind::Cancelled) return;
+  ui::MessageModel message;
+  message.kind = ui::MessageModel::Kind::Problem;
+  message.happened = error.message;
+  message.meaning = meaning;
+  Error rest = error;
+  rest.message.clear();
+  message.advice = sentence(rest);
+  if (!message.advice.empty() && message.advice[0] == ' ') message.advice.erase(0, 1);
+  say(std::move(message));
+}
+
+void Desktop::fillModel(double dt) {
+  model_.job = jobs_.model();
+  simulation_.describe(model_);
+  model_.simulate.info = simulation_.info();
+  review_.advance(dt);
+  review_.describe(model_.review);
+  const bool reviewing = model_.task == ui::Task::Review;
+  const Snapshot* run = simulation_.refresh();
+  const Snapshot* replayed = reviewing ? review_.refresh() : nullptr;
+  model_.snapshot = replayed != nullptr ? replayed : run;
+  const bool moving = simulation_.running() || replayed != nullptr;
+  if (moving && model_.snapshot != nullptr) {
+    forceTrace_.push_back(static_cast<float>(norm(model_.snapshot->felt.force)));
+    if (forceTrace_.size() > kTraceSamples) forceTrace_.pop_front();
+  }
+  model_.forceTrace.assign(forceTrace_.begin(), forceTrace_.end());
+  workspace_->views().followTool = moving;
+}
+
+bool Desktop::mayClose() {
+  if (closing_) return true;
+  if (!window_->closing()) return false;
+  if (!simulation_.recording()) return true;
+  window_->keepOpen();
+  model_.askClose = true;
+  return false;
+}
+
+Result<bool> Desktop::scriptFrame(std::optional<fs::path>& screenshot) {
+  if (!script_ || script_->finished()) return false;
+  auto input = script_->next(workspace_->items(), !jobs_.busy());
+  if (!input) return fail(input.error());
+  window_->inject(*input);
+  screenshot = input->screenshot;
+  return input->quit;
+}
+
+Result<void> Desktop::run() {
+  const double frame = window_->softwareRendering() ? kSoftwareFrame_s : kFrame_s;
+  double last = monotonic();
+  int settle = 3;  // frames after an event: Dear ImGui answers an input a frame later
+  bool quit = false;
+  while (!quit && !mayClose()) {
+    std::optional<fs::path> screenshot;
+    const auto asked = scriptFrame(screenshot);
+    if (!asked) return fail(asked.error());
+    quit = *asked;
+    const bool awake = simulation_.running() || jobs_.busy() || workspace_->busy() || settle > 0 ||
+                       model_.review.playing || (script_ && !script_->finished());
+    const double before = monotonic();
+    window_->beginFrame(awake ? 0.0 : kIdle_s);
+    const double now = monotonic();
+    settle = !awake && now - before < kIdle_s * 0.98 ? 4 : std::max(0, settle - 1);
+    if (jobs_.poll()) settle = 4;
+    for (const fs::path& dropped : window_->dropped()) importScan(dropped);
+    window_->clearDropped();
+    fillModel(now - last);
+    last = now;
+    const ui::Actions actions = workspace_->draw(*window_, model_, now, true);
+    window_->endFrame();
+    if (!actions.empty()) settle = 4;
+    carryOut(actions);
+    if (screenshot) {
+      if (auto written = ui::writePng(window_->picture(), *screenshot); !written) return written;
+    }
+    const double spare = frame - (monotonic() - before);
+    if (awake && spare > 0.0) std::this_thread::sleep_for(Seconds(spare));
+  }
+  stopRun();
+  return {};
+}
+
+Result<void> Desktop::renderPicture() {
+  jobs_.finishAll();
+  if (refused_) return fail(refusal_);
+  // Two frames first: the layout is known from the second on.
+  constexpr int kDrawn = 3;
+  for (int i = 0; i < options_.frames + kDrawn; ++i) {
+    simulation_.advanceVirtual(i < options_.frames ? kPictureStep_s : 0.0);
+    const bool scripted = script_ && !script_->finished();
+    fillModel(kPictureStep_s);
+    if (i < options_.frames && !scripted) continue;
+    std::optional<fs::path> ignored;
+    if (const auto asked = scriptFrame(ignored); !asked) return fail(asked.error());
+    window_->beginFrame(0.0);
+    jobs_.finishAll();
+    const ui::Actions actions = workspace_->draw(*window_, model_, i * kPictureStep_s, false);
+    window_->endFrame();
+    carryOut(actions);
+  }
+  return ui::writePng(window_->picture(), *options_.screenshot);
+}
+
+void Desktop::carryOut(const ui::Actions& actions) {
+  for (const ui::Action& action : actions) carryOutOne(action);
+}
+
+namespace {
+
+/// One lambda for each action.
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+
+}  // namespace
+
+void Desktop::carryOutOne(const ui::Action& action) {
+  using namespace ui;  // NOLINT(google-build-using-namespace): thirty names of one list
+  std::visit(
+      Overloaded{
+          [this](const act::ShowTask& a) {
+            model_.task = a.task;
+            if (a.task == Task::Review) {
+              const auto chosen = model_.review.chosen;
+              refreshSessions();
+              model_.review.chosen = chosen;
+            }
+          },
+          [this](const act::OpenCase& a) { openCase(a.folder); },
+          [this](const act::OpenDemo&) { openDemo(); },
+          [this](const act::ForgetRecent& a) { recent_.forget(a.folder); },
+          [this](const act::Browse& a) { browse(a.folder); },
+          [this](const act::Import& a) { importScan(a.path); },
+          [this](const act::ImportSeries& a) { importSeries(a.path, a.uid, ""); },
+          [this](const act::CloseSeriesList&) { model_.library.series.clear(); },
+          [this](const act::CancelJob&) { jobs_.cancel(); },
+          [this](const act::DismissMessage& a) {
+            if (a.index >= model_.messages.size()) return;
+            model_.messages.erase(model_.messages.begin() + static_cast<std::ptrdiff_t>(a.index));
+          },
+          [this](const act::Segment& a) { segmentTissue(a); },
+          [this](const act::DeleteLabel& a) { deleteLabel(a.value); },
+          [this](const act::ShowLabel& a) {
+            for (LabelRow& row : model_.segment.labels) {
+              if (row.value == a.value) row.visible = a.visible;
+            }
+            workspace_->showRows(model_.segment.labels);
+          },
+          [this](const act::Undo&) { undo(); },
+          [this](const act::ChooseInstrument& a) {
+            if (a.index >= instruments_.size() || jobs_.busy()) return;
+            stopRun();
+            sceneInstrument_ = instruments_[a.index].name;
+            simulation_.setScene(nullptr);
+            prepare();
+          },
+          [this](const act::ChooseDevice& a) {
+            if (a.index >= model_.simulate.devices.size()) return;
+            model_.simulate.device = a.index;
+            simulation_.setDevice(model_.simulate.devices[a.index]);
+          },
+          [this](const act::ChooseHand& a) { simulation_.setHand(a.hand); },
+          [this](const act::Latch& a) { model_.simulate.latch = a.on; },
+          [this](const act::StartStop&) { startStop(); },
+          [this](const act::Record&) { record(); },
+          [this](const act::ResetTool&) {
+            if (!simulation_.send({Command::Kind::ResetTool, 0.0})) {
+              say({MessageModel::Kind::Warning, "The tool was not reset.",
+                   "The simulation is behind.", "Press it again."});
+            }
+          },
+          [this](const act::ForceOff&) { simulation_.forceOff(); },
+          [this](const act::ClearFault&) { simulation_.clearFault(); },
+          [this](const act::Arm& a) { simulation_.arm(a.on); },
+          [this](const act::Grab& a) { model_.simulate.grabbed = a.on && simulation_.running(); },
+          [this](const act::MoveHand& a) { simulation_.moveHand(a.delta_W); },
+          [this](const act::TurnHand& a) { simulation_.turnHand(a.rotation_W); },
+          [this](const act::SolverIterations& a) {
+            (void)simulation_.send(
+                {Command::Kind::SetSolverIterations, static_cast<double>(a.count)});
+            model_.simulate.setting.solverIterations = a.count;
+          },
+          [this](const act::RefreshSessions&) { refreshSessions(); },
+          [this](const act::ChooseSession& a) { chooseSession(a.index); },
+          [this](const act::Replay&) { replay(); },
+          [this](const act::PlayPause&) { review_.playPause(); },
+          [this](const act::Scrub& a) { review_.scrub(a.at_s); },
+          [this](const act::SwitchTheme&) { window_->setTheme(!window_->theme().light); },
+          [this](const act::CloseAnyway&) {
+            stopRun();
+            model_.askClose = false;
+            closing_ = true;
+          },
+          [this](const act::StayOpen&) { model_.askClose = false; },
+      },
+      action);
+}
+
+}  // namespace palpate

@@ -1,0 +1,98 @@
+#pragma once
+/// The desktop itself: owns the window, the open case, the jobs and the simulation, and carries out
+/// what the window asks for. Main thread.
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/desktop.h"
+#include "app/desktop_case.h"
+#include "app/desktop_job.h"
+#include "app/desktop_recent.h"
+#include "app/desktop_review.h"
+#include "app/desktop_simulation.h"
+#include "core/scene/material.h"
+#include "ui/workspace.h"
+
+namespace palpate {
+
+class Desktop {
+ public:
+  /// Opens the window and starts on the first case.
+  [[nodiscard]] static Result<std::unique_ptr<Desktop>> open(const DesktopOptions& options);
+  /// Until the window closes.
+  [[nodiscard]] Result<void> run();
+  /// A fixed number of frames, then the picture.
+  [[nodiscard]] Result<void> renderPicture();
+
+ private:
+  explicit Desktop(const DesktopOptions& options);
+
+  // desktop_loop.cpp: frames and actions
+  void fillModel(double dt);
+  void carryOut(const ui::Actions& actions);
+  void carryOutOne(const ui::Action& action);
+  [[nodiscard]] bool mayClose();
+  [[nodiscard]] Result<bool> scriptFrame(std::optional<std::filesystem::path>& screenshot);
+  void say(ui::MessageModel message);
+  void complain(const Error& error, const std::string& meaning = {});
+
+  // desktop_import.cpp: the library
+  void openFirstCase();
+  void openCase(const std::filesystem::path& folder);
+  void showCase(OpenCase open);
+  void openDemo();
+  void importScan(const std::filesystem::path& path);
+  void importSeries(const std::filesystem::path& path, const std::string& uid,
+                    const std::string& title);
+  void importInto(const std::filesystem::path& path, const std::string& uid,
+                  const std::filesystem::path& folder, bool demo);
+  [[nodiscard]] std::filesystem::path newCaseFolder(const std::filesystem::path& scan) const;
+  void browse(const std::filesystem::path& folder);
+
+  // desktop_segment.cpp: labels, surfaces, scene
+  void segmentTissue(const ui::act::Segment& wish);
+  void deleteLabel(std::uint8_t value);
+  void undo();
+  void replaceLabels(std::shared_ptr<const LabelGrid> labels, LabelTable table);
+  void labelsChanged();
+  void meshLabels();
+  void prepare();
+  void readDatasets();
+
+  // desktop_actions.cpp: simulation and review
+  void startStop();
+  void record();
+  void replay();
+  void chooseSession(std::size_t index);
+  void refreshSessions();
+  void stopRun();
+
+  DesktopOptions options_;
+  std::unique_ptr<ui::Window> window_;        // outlives the workspace
+  std::unique_ptr<ui::Workspace> workspace_;  // OpenGL objects
+  ui::Model model_;
+  RecentCases recent_;
+  std::optional<OpenCase> open_;
+  struct LabelState {
+    std::shared_ptr<const LabelGrid> labels;
+    LabelTable table;
+    std::string what;
+  };
+  std::vector<LabelState> undo_;
+  std::vector<Instrument> instruments_;
+  std::vector<Material> materials_;
+  DesktopSimulation simulation_;
+  DesktopReview review_;
+  std::optional<ui::UiScript> script_;
+  std::deque<float> forceTrace_;
+  std::string sceneInstrument_;
+  bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
+  Error refusal_;
+  JobQueue jobs_;  // last: its thread ends before what it reads goes
+};
+
+}  // namespace palpate
