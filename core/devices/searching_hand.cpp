@@ -60,16 +60,15 @@ class SearchingHand final : public Hand {
     place_ = {radius * std::cos(place), 0.0, radius * std::sin(place)};
     const double way = random_.uniform(0.0, 2.0 * std::numbers::pi);
     way_ = {std::cos(way), 0.0, std::sin(way)};
-    intent_ = place_;
-    intent_.y() = kStartHeight;
-    if (first) smooth_ = smooth1_ = intent_;
+    place_.y() = kStartHeight;
+    if (first) smooth_ = smooth1_ = intent_ = place_;
   }
 
   void act(double dt, double felt) noexcept {
     since_ += dt;
     switch (deed_) {
       case Deed::Wait:
-        if (since_ >= kWait) begin(Deed::Descend);
+        if (goTo(place_, kUpSpeed * dt) && since_ >= kWait) begin(Deed::Descend);
         break;
       case Deed::Descend:
         intent_.y() -= kDownSpeed * dt;
@@ -113,6 +112,18 @@ class SearchingHand final : public Hand {
     const double speed = std::clamp(kForceGain * (kPress - felt), -kPressSpeed, kPressSpeed);
     lower(speed * dt);
     if (since_ >= 2.0 * out) begin(Deed::Lift);
+  }
+
+  /// Towards a place by at most `most` metres. True: it is there.
+  bool goTo(const Eigen::Vector3d& place, double most) noexcept {
+    const Eigen::Vector3d way = place - intent_;
+    const double left = way.norm();
+    if (left <= most) {
+      intent_ = place;
+      return true;
+    }
+    intent_ += way * (most / left);
+    return false;
   }
 
   void lower(double by) noexcept {
