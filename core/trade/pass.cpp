@@ -62,7 +62,7 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }  // namespace
 
 Pass runPass(const std::shared_ptr<const PreparedScene>& scene,
-             std::span<const DeviceSample> samples, std::span<const Eigen::Isometry3d> probes) {
+             std::span<const DeviceSample> samples) {
   Pass pass;
   std::vector<std::array<double, kRepeats>> times(samples.size());
   for (std::size_t repeat = 0; repeat < kRepeats; ++repeat) {
@@ -79,15 +79,18 @@ Pass runPass(const std::shared_ptr<const PreparedScene>& scene,
     std::sort(row.begin(), row.end());
     pass.micros.push_back(row[kRepeats / 2]);
   }
-  ContactFinder finder(*scene->tree, *scene->shell, scene->scene.setting.query);
-  std::vector<Contact> buffer(scene->shell->size());
-  const Eigen::Isometry3d X_VW = scene->X_WV.inverse();
+  return pass;
+}
+
+void probe(const PreparedScene& scene, std::span<const Eigen::Isometry3d> probes, Pass& pass) {
+  ContactFinder finder(*scene.tree, *scene.shell, scene.scene.setting.query);
+  std::vector<Contact> buffer(scene.shell->size());
+  const Eigen::Isometry3d X_VW = scene.X_WV.inverse();
   for (const auto& X_WT : probes) {
     const QueryResult found = finder.find(X_VW * X_WT, buffer);
     const auto count = std::min(found.contactCount, buffer.size());
     pass.probed.emplace_back(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count));
   }
-  return pass;
 }
 
 std::vector<Eigen::Isometry3d> probingPoses(const Pass& pass, std::span<const DeviceSample> samples,

@@ -23,10 +23,12 @@ struct Pass {
   std::vector<std::vector<Contact>> probed;  ///< Contacts at each probing pose, V.
 };
 
-/// A closed loop for forces and times; then the contacts alone, at `probes` (X_WT).
+/// The closed loop, for forces and times.
 [[nodiscard]] Pass runPass(const std::shared_ptr<const PreparedScene>& scene,
-                           std::span<const DeviceSample> samples,
-                           std::span<const Eigen::Isometry3d> probes);
+                           std::span<const DeviceSample> samples);
+
+/// The contacts alone, at `probes` (X_WT), into pass.probed.
+void probe(const PreparedScene& scene, std::span<const Eigen::Isometry3d> probes, Pass& pass);
 
 /// Poses to compare contacts at: every `stride`-th of the tool's, pressed a little deeper towards
 /// the device, as a rigid tool rests with next to no depth.

@@ -163,11 +163,10 @@ Result<std::vector<TradePoint>> sweepTrade(const PreparedScene& base, std::uint6
              "Measuring " + points[i].name);
     const auto variant = variants.at(points[i].setting);
     if (!variant) return fail(variant.error());
-    if (!reference) {
-      probes = probingPoses(runPass(*variant, samples, {}), samples, kProbeStride);
-      reference = runPass(*variant, samples, probes);
-    }
-    const Pass pass = runPass(*variant, samples, probes);
+    Pass pass = runPass(*variant, samples);
+    if (!reference) probes = probingPoses(pass, samples, kProbeStride);
+    probe(**variant, probes, pass);
+    if (!reference) reference = pass;
     measure(pass, *reference, spacingOf(base, points[i].setting), referenceSpacing, points[i]);
     points[i].bytes = bytesOf(**variant);
   }
