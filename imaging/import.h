@@ -31,7 +31,7 @@ struct SeriesList {
 
 struct ImportRequest {
   std::filesystem::path path;
-  std::optional<std::string> seriesUid;
+  std::optional<std::string> seriesUid = {};
   bool repairTilt = false, repairSpacing = false;
   bool keepNames = false;
 };

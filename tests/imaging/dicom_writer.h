@@ -17,9 +17,9 @@ struct DicomWriterOptions {
   std::string transferSyntax = "1.2.840.10008.1.2.1";  ///< Explicit little-endian; DCMTK writes it.
   double slope = 1.0, intercept = 0.0;  ///< Values are stored as (value - intercept) / slope.
   /// Slices to write, in this order; all when empty.
-  std::vector<int> slices;
+  std::vector<int> slices = {};
   /// Adds to the position of slice k, mm: tilt and gaps.
-  std::function<Eigen::Vector3d(int)> shift_mm;
+  std::function<Eigen::Vector3d(int)> shift_mm = {};
   std::string filePrefix = "image";
 };
 

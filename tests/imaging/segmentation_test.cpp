@@ -177,7 +177,7 @@ TEST(Presets, UnknownNameIsRefusedWithTheList) {
 
 TEST(Presets, BoneOfTheDemoCtEqualsInVesaliusMask) {
   PALPATE_NEEDS(test::demoCt(), "Debian package invesalius-examples");
-  const auto scan = importScan({.path = test::demoCt(), .seriesUid = {}});
+  const auto scan = importScan({.path = test::demoCt()});
   ASSERT_TRUE(scan);
   const auto labels =
       segment(scan->volume, nullptr, 1, {.range = *presetRange("ct-bone", scan->volume)});
