@@ -89,6 +89,7 @@ void Phantom::close() noexcept {
     scheduler_->remove(servo_);
     giveBack();
     scheduler_->takeErrors();
+    servo_.begin({});  // a late read() finds no device
     return {};
   });
   scheduler_ = nullptr;

@@ -39,6 +39,8 @@ struct PhantomStatus {
 
 class PhantomServo final : public VendorDevice {
  public:
+  PhantomServo() noexcept { sample_.status = kDeviceLost; }
+
   using Tick = void (*)(void* owner) noexcept;
 
   struct Setup {

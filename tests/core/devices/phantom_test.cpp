@@ -36,6 +36,7 @@ TEST_F(PhantomTest, OpensInTheVendorsSequenceAndTellsWhatTheDeviceIs) {
   EXPECT_EQ(fake().calls("hdEnable"), 1);
   EXPECT_EQ(fake().priority(), 0xFFFF);
   phantom.close();
+  EXPECT_EQ(phantom.read(9).status, kDeviceLost);
   EXPECT_EQ(fake().calls("hdUnschedule"), 1);
   EXPECT_EQ(fake().calls("hdDisable"), 1);
   EXPECT_EQ(fake().calls("hdDisableDevice"), 1);

@@ -49,7 +49,7 @@ struct Device {
   double temperature[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
   double force[3] = {0, 0, 0}, torque[3] = {0, 0, 0};         // what the motors hold
   double wanted[3] = {0, 0, 0}, wantedTorque[3] = {0, 0, 0};  // set in this frame
-  bool forceSet = false, torqueSet = false;
+  bool forceSet = false, torqueSet = false, faulty = false;
   palpate::HapticDevice* arm = nullptr;
   std::uint64_t armTick = 0;
   std::vector<Injection> injections;
@@ -118,9 +118,12 @@ Device* currentDevice() {
   return deviceOf(machine().current);
 }
 
-const Injection* injected(const Device& device, Fault fault) {
-  for (const Injection& one : device.injections)
-    if (one.fault == fault && machine().tick >= one.begin && machine().tick < one.end) return &one;
+const Injection* injected(Device& device, Fault fault) {
+  for (const Injection& one : device.injections) {
+    if (one.fault != fault || machine().tick < one.begin || machine().tick >= one.end) continue;
+    device.faulty = true;
+    return &one;
+  }
   return nullptr;
 }
 
@@ -168,7 +171,8 @@ void endTick() {
     std::copy_n(device.transform + 12, 3, record.position);
     record.forceSet = device.forceSet;
     record.torqueSet = device.torqueSet;
-    device.forceSet = device.torqueSet = false;
+    record.faulty = device.faulty;
+    device.forceSet = device.torqueSet = device.faulty = false;
     device.records.push_back(record);
     if (device.records.size() > kRecords) device.records.pop_front();
   }
@@ -177,7 +181,7 @@ void endTick() {
 
 /// Milliseconds that an injected stall asks for before this tick.
 int stallNow() {
-  for (const Device& device : machine().devices)
+  for (Device& device : machine().devices)
     if (const Injection* one = injected(device, Fault::Stall)) return one->code;
   return 0;
 }
@@ -234,7 +238,7 @@ Device* reading(const char* function) {
   return currentDevice();
 }
 
-void giveTransform(const Device& device, double* out) {
+void giveTransform(Device& device, double* out) {
   if (injected(device, Fault::SilentPose) != nullptr) return;
   std::copy_n(device.transform, 16, out);
   if (const Injection* nan = injected(device, Fault::NanPose))

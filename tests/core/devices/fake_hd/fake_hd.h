@@ -49,6 +49,7 @@ struct TickRecord {
   double torque[3] = {0, 0, 0};              ///< mN·m
   double position[3] = {0, 0, 0};            ///< mm
   bool forceSet = false, torqueSet = false;  ///< in this tick
+  bool faulty = false;                       ///< an injected fault was at work in it
 };
 
 struct Controls {
