@@ -18,6 +18,8 @@ std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> bytes) {
 
 std::optional<std::vector<std::uint8_t>> inflated(std::span<const std::uint8_t> bytes,
                                                   std::size_t size) {
+  // Deflate cannot do better than 1:1032; a larger claim is damage, not a reason to take memory.
+  if (size / 1032 > bytes.size()) return std::nullopt;
   std::vector<std::uint8_t> out(size);
   auto got = static_cast<uLongf>(size);
   if (::uncompress(out.data(), &got, bytes.data(), static_cast<uLong>(bytes.size())) != Z_OK ||

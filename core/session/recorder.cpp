@@ -1,5 +1,6 @@
 #include "core/session/recorder.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -215,6 +216,10 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
   if (auto writable = checkWritable(file); !writable) return fail(writable.error());
   const auto part = FileRecorder::partOf(file);
   removeDatabase(part);  // of a recording that was cut off; its name is taken anew
+  // Made first, so that it is the user's alone: it holds a patient's anatomy. The log follows it.
+  const int handle = ::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+  if (handle < 0) return fail(cannotWrite(file, errno));
+  ::close(handle);
   auto writer = SessionWriter::create(part, file);
   if (!writer) {
     removeDatabase(part);

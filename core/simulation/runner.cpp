@@ -55,7 +55,7 @@ class LoopRunner final : public Runner {
   LoopRunner& operator=(const LoopRunner&) = delete;
   ~LoopRunner() override {
     stop();
-    for (int tick = 0; tick < kZeroTicks; ++tick) device_->write(Wrench{});
+    zeroDevice(kZeroTicks);
     device_->close();
     ::sem_destroy(&ticked_);
   }
@@ -84,6 +84,7 @@ class LoopRunner final : public Runner {
   void dueTick(std::int64_t& due) noexcept;  ///< Books the lateness, ticks, wakes the simulation.
   static void vendorTick(void* owner) noexcept;
   [[nodiscard]] Result<void> startServo();
+  void zeroDevice(int ticks) noexcept;
 
   std::shared_ptr<const PreparedScene> scene_;
   std::unique_ptr<HapticDevice> device_;
@@ -102,8 +103,8 @@ class LoopRunner final : public Runner {
   sem_t ticked_{};  ///< Posted after each tick of the real clock.
   std::atomic<bool> stopping_{false};
   std::thread servoThread_, stepThread_;
-  bool running_ = false;        ///< The two threads of the real clock.
-  std::int64_t vendorDue_ = 0;  ///< Vendor's servo thread.
+  std::atomic<bool> running_{false};  ///< The two threads of the real clock.
+  std::int64_t vendorDue_ = 0;        ///< Vendor's servo thread.
   bool realTime_ = false;
   std::string realTimeNote_;
 };
@@ -274,7 +275,12 @@ void LoopRunner::stop() noexcept {
   ::sem_post(&ticked_);
   if (stepThread_.joinable()) stepThread_.join();
   running_ = false;
-  device_->write(Wrench{});
+  zeroDevice(1);
+}
+
+void LoopRunner::zeroDevice(int ticks) noexcept {
+  if (device_->ownsClock()) return;  // its stopServo() has done it; write() is for its scheduler
+  for (int tick = 0; tick < ticks; ++tick) device_->write(Wrench{});
 }
 
 RunReport LoopRunner::report() const {

@@ -96,7 +96,7 @@ class Runner {
   virtual Result<void> start() = 0;
   virtual void stop() noexcept = 0;
 
-  /// Any thread; while the two threads run, at most a second old.
+  /// Real clock: any thread, at most a second old while it runs. Virtual: the thread that runs it.
   [[nodiscard]] virtual RunReport report() const = 0;
   /// Render thread only: refresh() and value().
   [[nodiscard]] virtual LatestValue<Snapshot>& snapshots() noexcept = 0;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -302,6 +303,40 @@ TEST_F(Session, AKilledRecordingLosesAtMostTheLastSecondAndReplays) {
   ASSERT_TRUE(report) << sentence(report.error());
   EXPECT_TRUE(report->identical);
   EXPECT_EQ(report->steps, header->steps);
+}
+
+TEST_F(Session, AFullDiskIsSaidAndLeavesNothing) {
+  const auto scene = prepared(ball());
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    // A limit on file size answers writes as a full disk does, in this process alone.
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{400000, 400000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    RunOptions options;
+    const auto device = searchingDevice(1);
+    auto recorder = Recorder::create(file, *scene, device->info(), options, false);
+    if (!recorder) ::_exit(2);
+    options.sink = recorder->get();
+    auto runner = makeRunner(scene, options);
+    if (!runner->runVirtual(10.0, {})) ::_exit(3);
+    const auto finished = (*recorder)->finish(runner->report());
+    if (finished || finished.error().kind != ErrorKind::Machine) ::_exit(4);
+    if (finished.error().file != file.string()) ::_exit(5);
+    if (runner->report().recorderDrops == 0) ::_exit(6);  // once it failed, it takes nothing
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(folder.files(), 0U);
+}
+
+TEST_F(Session, IsTheUsersAlone) {
+  record(file, prepared(ball()), {}, 0.1);
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
 TEST_F(Session, ARecorderThatIsDroppedLeavesNothing) {
