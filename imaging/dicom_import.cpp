@@ -241,13 +241,13 @@ Result<void> repair(const std::vector<DicomFile>& files, const DicomStack& stack
                     ImportedScan& scan, const Progress& progress) {
   auto regular = makeRegularStack(scan.volume, positionsOf(files, stack), progress);
   if (!regular) return fail(regular.error());
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "Resampled to a regular grid of %d slices %.4g mm apart; before, %s. Largest "
-                "displacement of a slice: %.2f mm.",
-                regular->volume.geometry.dims[2], regular->volume.geometry.spacing.z() * 1e3,
-                stack.reason.c_str(), regular->largestDisplacement_mm);
-  scan.repairs.emplace_back(text);
+  char grid[96];
+  char moved[64];
+  std::snprintf(grid, sizeof grid, "Resampled to a regular grid of %d slices %.4g mm apart",
+                regular->volume.geometry.dims[2], regular->volume.geometry.spacing.z() * 1e3);
+  std::snprintf(moved, sizeof moved, "Largest displacement of a slice: %.2f mm.",
+                regular->largestDisplacement_mm);
+  scan.repairs.push_back(std::string(grid) + "; before, " + stack.reason + ". " + moved);
   scan.volume = std::move(regular->volume);
   return {};
 }
