@@ -14,7 +14,7 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
 
 constexpr double kEdgeShare = 0.375;     // longest edge of a sliver, in spacings
 constexpr double kSeparation = 0.75;     // between samples of one side, in spacings
-constexpr double kMaxCandidates = 20e6;  // half a minute and a gigabyte; beyond is a mistake
+constexpr double kMaxCandidates = 20e6;  // beyond it is a mistake in units
 
 // Samples in cells of the separation's size: only 27 cells can hold one that is near.
 class SampleGrid {

@@ -105,8 +105,7 @@ void fillVoxelPayload(const LabelGrid& grid, std::span<const float> field,
 
 void fillBricks(const LabelGrid& grid, std::span<const std::uint8_t> solid,
                 std::span<const float> field, const TreeTopology& topology, VoxelTree::Data& data) {
-  // Eight cells a side where the branching has such a level, four for 64 children.
-  data.brickLevel = std::min(data.bits == 1 ? 3 : 1, data.levels);
+  data.brickLevel = brickLevelOf(data.bits, data.levels);
   data.brickEdge = 1 << (data.bits * data.brickLevel);
   data.uniformLabel = onlyLabel(grid, solid);
   const auto& nodes = topology.address[static_cast<std::size_t>(data.brickLevel)];

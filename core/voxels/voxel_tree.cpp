@@ -131,6 +131,10 @@ VoxelTree::VoxelTree(VoxelTree&&) noexcept = default;
 VoxelTree& VoxelTree::operator=(VoxelTree&&) noexcept = default;
 VoxelTree::~VoxelTree() = default;
 
+VoxelTree VoxelTree::adopt(std::unique_ptr<Data> data) noexcept {
+  return VoxelTree(std::move(data));
+}
+
 const GridGeometry& VoxelTree::geometry() const noexcept {
   return data_->geometry;
 }

@@ -58,6 +58,9 @@ class VoxelTree {
   [[nodiscard]] const TreeStats& stats() const noexcept;
 
   struct Data;  ///< The arrays themselves, for core/collision: core/voxels/voxel_tree_data.h.
+  /// For the cache file's reader, which has checked that the arrays fit each other.
+  [[nodiscard]] static VoxelTree adopt(std::unique_ptr<Data> data) noexcept;
+
   [[nodiscard]] const Data& data() const noexcept { return *data_; }
 
  private:

@@ -25,6 +25,13 @@ inline constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 /// Deeper than this many smallest spacings, the depth of the distance model saturates (design).
 inline constexpr double kSaturationVoxels = 16.0;
 
+/// The level whose nodes carry the bricks of distance leaves: eight cells a side where the
+/// branching has such a level, four for 64 children.
+[[nodiscard]] constexpr int brickLevelOf(int bits, int levels) noexcept {
+  const int level = bits == 1 ? 3 : 1;
+  return level < levels ? level : levels;
+}
+
 /// The nodes of one level, breadth-first: children of one node are neighbours in the level below.
 struct TreeLevel {
   std::vector<std::uint8_t> masks;        ///< children/8 bytes a node.

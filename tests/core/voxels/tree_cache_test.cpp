@@ -1,0 +1,119 @@
+#include "core/voxels/tree_cache.h"
+
+#include <gtest/gtest.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cstring>
+#include <random>
+
+#include "core/voxels/voxel_tree_data.h"
+#include "tests/core/voxels/test_volumes.h"
+
+namespace palpate {
+namespace {
+
+using testing_volumes::assortedGrids;
+
+std::string refusal(std::string_view bytes, std::uint64_t source) {
+  const auto tree = treeFromCache(bytes, source);
+  if (tree) return "accepted";
+  EXPECT_EQ(tree.error().kind, ErrorKind::InputRefused);
+  return tree.error().message;
+}
+
+TEST(TreeCache, GivesTheSameTreeBack) {
+  for (const auto& [name, grid] : assortedGrids(61)) {
+    for (const auto branching :
+         {Branching::Children8, Branching::Children64, Branching::Children512}) {
+      for (const auto leaf : {LeafModel::Voxel, LeafModel::Distance}) {
+        SCOPED_TRACE(name);
+        const auto tree = VoxelTree::build(grid, {}, {branching, leaf, false});
+        ASSERT_TRUE(tree);
+        const std::string bytes = treeToCache(*tree, 5);
+        const auto back = treeFromCache(bytes, 5);
+        ASSERT_TRUE(back) << back.error().message;
+        EXPECT_EQ(treeToCache(*back, 5), bytes);
+        EXPECT_EQ(back->stats().nodesPerLevel, tree->stats().nodesPerLevel);
+        EXPECT_EQ(back->geometry().dims, grid.geometry.dims);
+        EXPECT_EQ(back->data().spheres.fullRadius(1), tree->data().spheres.fullRadius(1));
+      }
+    }
+  }
+}
+
+TEST(TreeCache, DamagedForeignAndOtherFilesAreRefused) {
+  const auto grid = assortedGrids(62)[9].grid;
+  const auto tree = VoxelTree::build(grid, {}, {});
+  ASSERT_TRUE(tree);
+  const std::string good = treeToCache(*tree, 7);
+  EXPECT_EQ(refusal("", 7), "The tree's cache file is cut short.");
+  EXPECT_EQ(refusal(good.substr(0, good.size() - 1), 7), "The tree's cache file is cut short.");
+  EXPECT_EQ(refusal(good, 8), "The tree's cache file was made from other labels.");
+  std::string foreign = good;
+  foreign[0] = 'X';
+  EXPECT_EQ(refusal(foreign, 7), "The file is not a tree's cache.");
+  std::string other = good;
+  other[8] = 99;
+  EXPECT_EQ(refusal(other, 7), "The tree's cache file is of another version.");
+  for (std::size_t at = 40; at < good.size(); at += 997) {
+    std::string damaged = good;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    EXPECT_EQ(refusal(damaged, 7), "The tree's cache file is damaged.");
+  }
+}
+
+// Behind a checksum that fits, nothing may crash or be read out of bounds (sanitizers watch); most
+// is refused, what passes differs in values only.
+TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
+  constexpr std::uint32_t kSeed = 63;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  std::mt19937 rng(kSeed);
+  const auto tree = VoxelTree::build(assortedGrids(kSeed)[1].grid, {}, {});
+  ASSERT_TRUE(tree);
+  const std::string good = treeToCache(*tree, 7);
+  const auto forge = [](std::string bytes) {
+    const std::uint64_t length = bytes.size() - 40;
+    const std::uint64_t sum = XXH3_64bits(bytes.data() + 40, bytes.size() - 40);
+    std::memcpy(bytes.data() + 24, &length, 8);
+    std::memcpy(bytes.data() + 32, &sum, 8);
+    return bytes;
+  };
+  ASSERT_EQ(refusal(forge(good), 7), "accepted");
+  int refusals = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    std::string bytes = good;
+    // Half of the trials in the fields before the arrays, where they do most harm.
+    const std::size_t range = trial % 2 == 0 ? 300 : good.size() - 40;
+    bytes[40 + rng() % range] = static_cast<char>(rng());
+    if (trial % 5 == 0) bytes.resize(40 + rng() % (good.size() - 40));
+    const std::string message = refusal(forge(bytes), 7);
+    refusals += message == "The tree's cache file contradicts itself." ? 1 : 0;
+  }
+  EXPECT_GT(refusals, 150);
+}
+
+TEST(TreeCache, TheFingerprintKnowsLabelsGeometrySelectionAndOptions) {
+  auto grid = assortedGrids(64)[1].grid;
+  const std::uint8_t one[] = {1};
+  const auto base = treeSourceFingerprint(grid, {}, {});
+  EXPECT_EQ(treeSourceFingerprint(grid, {}, {}), base);
+  EXPECT_NE(treeSourceFingerprint(grid, one, {}), base);
+  EXPECT_NE(treeSourceFingerprint(grid, {}, {Branching::Children8, LeafModel::Distance, false}),
+            base);
+  grid.labels[5] ^= 1;
+  EXPECT_NE(treeSourceFingerprint(grid, {}, {}), base);
+  grid.labels[5] ^= 1;
+  grid.geometry.spacing.x() *= 1.001;
+  EXPECT_NE(treeSourceFingerprint(grid, {}, {}), base);
+}
+
+TEST(TreeCache, AMissingFileIsRefused) {
+  const auto tree = loadTreeCache("/nowhere/tree.cache", 1);
+  ASSERT_FALSE(tree);
+  EXPECT_EQ(tree.error().message, "The tree's cache file cannot be read.");
+  EXPECT_EQ(tree.error().file, "/nowhere/tree.cache");
+}
+
+}  // namespace
+}  // namespace palpate
