@@ -1,6 +1,7 @@
 #include "core/haptics/passivity.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 namespace {
@@ -37,10 +38,11 @@ Wrench PassivityObserver::dissipate(const Wrench& wanted, const DeviceSample& de
 
 double PassivityObserver::passiveFraction(const Wrench& allowed, const DeviceSample& device,
                                           double period) const noexcept {
-  const double work = period * (dot(allowed.force, device.v) + dot(allowed.torque, device.w));
-  if (!(work > 0.0)) return 1.0;
-  const double budget = std::max(0.0, energy_ - base_ + kPassivityReserve);
-  return budget >= work ? 1.0 : budget / work;
+  constexpr double kAllowance = 2e-7;  // J
+  const double work = period * (dot(allowed.force, device.v) + dot(allowed.torque, device.w)) +
+                      kUnforeseenMove * std::sqrt(dot(allowed.force, allowed.force));
+  const double budget = std::max(kAllowance, energy_ - base_ + kPassivityReserve);
+  return work <= budget ? 1.0 : budget / work;
 }
 
 }  // namespace palpate

@@ -7,8 +7,11 @@
 namespace palpate {
 
 /// Energy the port may be short of before the controller holds the force back, J. The promise is
-/// -20 µJ; the rest covers that the next displacement is predicted from a filtered velocity.
-inline constexpr double kPassivityReserve = 8e-6;
+/// -20 µJ; the rest is for what the prediction below misses.
+inline constexpr double kPassivityReserve = 10e-6;
+/// How far the device may move in a tick beyond what its filtered velocity says, m: two of the
+/// coarsest encoder steps of a Phantom (55 µm).
+inline constexpr double kUnforeseenMove = 1.2e-4;
 /// Deficit at which the controller has evidently failed, J (haptics_facts.md §3: sustained
 /// oscillation appeared only beyond 1 mJ).
 inline constexpr double kEnergyFault = 5e-4;
@@ -23,8 +26,9 @@ class PassivityObserver {
   [[nodiscard]] Wrench dissipate(const Wrench& wanted, const DeviceSample& device, double period,
                                  double maxDamping) noexcept;
   /// The fraction (0..1) of `allowed` that may be sent so that the coming period, at the device's
-  /// velocity, gives the hand no more than the balance and the reserve hold. Less than 1 only when
-  /// the wrench drives the hand.
+  /// velocity and an unforeseen move along the force, gives the hand no more than the balance and
+  /// the reserve hold. In ordinary touch 1: what pressing stored is far more. Never quite 0 (an
+  /// allowance of 0.2 µJ), or a spent balance could never be earned back.
   [[nodiscard]] double passiveFraction(const Wrench& allowed, const DeviceSample& device,
                                        double period) const noexcept;
   /// What left the program this tick.

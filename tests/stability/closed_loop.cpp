@@ -94,6 +94,7 @@ LoopResult runLoop(const LoopCase& loop) {
   SimulatedPhantomOptions options;
   options.extraDelay = loop.extraDelay;
   options.frictionScale = loop.armFriction;
+  options.tremor = loop.tremor;
   auto made = makeSimulatedPhantom(loop.model, loop.hand ? loop.hand : makeSearchingHand(loop.seed),
                                    loop.seed, loop.grip, options);
   if (!made) throw std::runtime_error(sentence(made.error()));
@@ -103,7 +104,7 @@ LoopResult runLoop(const LoopCase& loop) {
   ServoSettings settings;
   settings.period = kPeriod;
   // Not the identity: a mistake in a frame must show.
-  settings.X_WD = Eigen::Translation3d(0.1, -0.2, 0.3) *
+  settings.X_WD = Eigen::Translation3d(0.1 + loop.faraway, -0.2, 0.3 - loop.faraway) *
                   Eigen::AngleAxisd(0.8, Eigen::Vector3d(1.0, 2.0, -0.5).normalized());
   settings.gains = recommendedGains(device.info(), loop.stepTicks * kPeriod);
   settings.gains.stiffness *= loop.gain;
@@ -129,6 +130,7 @@ LoopResult runLoop(const LoopCase& loop) {
   out.limits = settings.limits;
   const auto ticks = static_cast<std::uint64_t>(std::llround(loop.seconds / kPeriod));
   out.samples.reserve(ticks);
+  out.tool_D.reserve(ticks);
   ToolState pending;
   bool started = false;
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
@@ -167,6 +169,7 @@ LoopResult runLoop(const LoopCase& loop) {
     pending.contacts = static_cast<std::uint32_t>(n);
     for (std::size_t i = 0; i < n; ++i) pending.depth = std::max(pending.depth, contacts[i].depth);
 
+    out.tool_D.push_back(settings.X_WD.inverse() * position(pending.pose));
     out.deepest = std::max(out.deepest, pending.depth);
     if (n > 0) ++out.stepsInContact;
     if (response.capReached) ++out.capsReached;

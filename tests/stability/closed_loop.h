@@ -39,6 +39,8 @@ struct LoopCase {
   double gain = 1.0;             ///< Of the recommended coupling stiffness.
   double maxTravel = 1e-3;       ///< m a step, of any point of the tool
   double seconds = 5.0;
+  double tremor = 5e-5;  ///< m, of the hand
+  double faraway = 0.0;  ///< m: the whole scene moved off the origin of W.
   std::uint64_t seed = 1;
   Shape shape = wall();
   std::shared_ptr<Hand> hand;  ///< Empty: the searching hand.
@@ -53,7 +55,8 @@ struct LoopResult {
   double deepest = 0.0;  ///< m, of any contact
   std::uint64_t stepsInContact = 0;
   std::uint64_t capsReached = 0;
-  double largestTurn = 0.0;  ///< rad, between tool and stylus
+  double largestTurn = 0.0;             ///< rad, between tool and stylus
+  std::vector<Eigen::Vector3d> tool_D;  ///< The tool's origin after each step, in D.
 };
 
 [[nodiscard]] LoopResult runLoop(const LoopCase& loop);

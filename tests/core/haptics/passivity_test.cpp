@@ -67,11 +67,28 @@ TEST(PassivityObserver, DampsOnlyWhenTheBalanceIsNegative) {
 TEST(PassivityObserver, LetsAWrenchDriveTheHandOnlyAsFarAsTheBalanceGoes) {
   PassivityObserver o;
   o.observe(at(0.0));
-  EXPECT_EQ(o.passiveFraction(force(1.0), at(0.0, -0.1), 1e-3), 1.0);  // it brakes
-  EXPECT_NEAR(o.passiveFraction(force(1.0), at(0.0, 0.1), 1e-3), kPassivityReserve / 1e-4, 1e-9);
+  EXPECT_EQ(o.passiveFraction(force(1.0), at(0.0, -0.12), 1e-3), 1.0);  // it brakes
+  EXPECT_EQ(o.passiveFraction(force(0.08), at(0.0), 1e-3), 1.0);
+  EXPECT_NEAR(o.passiveFraction(force(1.0), at(0.0, 0.1), 1e-3),
+              kPassivityReserve / (1e-4 + kUnforeseenMove), 1e-9);
   o.commit(force(-1.0));
   o.observe(at(1e-3));  // 1 mJ taken
   EXPECT_EQ(o.passiveFraction(force(1.0), at(1e-3, 0.1), 1e-3), 1.0);
+}
+
+TEST(PassivityObserver, ASpentBalanceCanBeEarnedBack) {
+  PassivityObserver o;
+  o.observe(at(0.0));
+  o.commit(force(1.0));
+  o.observe(at(3e-5));  // 30 µJ given
+  double x = 3e-5;
+  for (int i = 0; i < 300; ++i) {  // pressed against the force by 15 mm
+    const double f = o.passiveFraction(force(1.0), at(x, -0.05), 1e-3);
+    o.commit(force(f));
+    x -= 5e-5;
+    o.observe(at(x));
+  }
+  EXPECT_GT(o.energy(), 0.0);
 }
 
 TEST(PassivityObserver, FailsBeyondItsReachAndStartsAnewWhenCleared) {

@@ -63,12 +63,12 @@ TEST(ServoLoop, MapsThePoseToTheWorldAndTheForceBack) {
       Eigen::Translation3d(1.0, 2.0, 3.0) * Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ());
   ServoLoop servo(device, settings);
   const Eigen::Vector3d p_W = settings.X_WD * Eigen::Vector3d(0.01, 0.02, 0.03);
-  arm(servo, p_W + Eigen::Vector3d(0.001, 0, 0));  // pulled along +x of W: -y of D
-  servo.publishTool(toolAt(2000, 2000, p_W + Eigen::Vector3d(0.001, 0, 0)));
+  arm(servo, p_W + Eigen::Vector3d(0.0001, 0, 0));  // pulled along +x of W: -y of D
+  servo.publishTool(toolAt(2000, 2000, p_W + Eigen::Vector3d(0.0001, 0, 0)));
   const ServoSample s = servo.tick();
   EXPECT_LT((position(s.device.pose) - p_W).norm(), 1e-15);
-  EXPECT_NEAR(s.wrench.force[0], 0.5, 1e-9);
-  EXPECT_NEAR(device.got.force[1], -0.5, 1e-9);
+  EXPECT_NEAR(s.wrench.force[0], 0.05, 1e-9);
+  EXPECT_NEAR(device.got.force[1], -0.05, 1e-9);
   EXPECT_NEAR(device.got.force[0], 0.0, 1e-12);
 }
 
@@ -78,10 +78,10 @@ TEST(ServoLoop, ExtrapolatesTheToolToThePresentTick) {
   settings.declaredStepTicks = 10;
   ServoLoop servo(device, settings);
   const std::uint64_t now = arm(servo, Eigen::Vector3d::Zero());
-  servo.publishTool(toolAt(5000, now, {0, 0, 0}, {0.02, 0, 0}));
+  servo.publishTool(toolAt(5000, now, {0, 0, 0}, {0.01, 0, 0}));
   for (int i = 0; i < 10; ++i) {
     const ServoSample s = servo.tick();
-    EXPECT_NEAR(s.wrench.force[0], 500.0 * 0.02 * 1e-3 * i, 1e-9) << i;
+    EXPECT_NEAR(s.wrench.force[0], 500.0 * 0.01 * 1e-3 * i, 1e-9) << i;
   }
 }
 
