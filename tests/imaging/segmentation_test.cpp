@@ -216,6 +216,15 @@ TEST(Presets, MrOfTheDemoHeadGivesAHead) {
     const auto labels = segment(*v, nullptr, 1, {.range = *range, .largestOnly = true});
     ASSERT_TRUE(labels);
     const auto counts = countLabels(*labels, {LabelInfo{.name = "x"}});
+    // ch2bet is the same head with everything but the brain set to zero.
+    const auto brain = readVolumeFile(test::demoMr().parent_path() / "ch2bet.nii.gz");
+    ASSERT_TRUE(brain);
+    std::size_t inBrain = 0;
+    for (std::size_t i = 0; i < brain->size(); ++i) {
+      inBrain += labels->labels[i] != 0 && brain->int16[i] > 0 ? 1 : 0;
+    }
+    std::cout << static_cast<double>(inBrain) / static_cast<double>(counts[0].voxels)
+              << " of it in the brain; ";
     std::cout << preset << ": " << range->low << " to " << range->high << ", "
               << counts[0].mm3 / 1000.0 << " ml of " << total / 1000.0 << "\n";
     EXPECT_GT(counts[0].mm3, 0.5e6) << preset;  // half a litre
