@@ -72,6 +72,12 @@ std::string refusal(const fs::path& file) {
          header.error().found.value_or("");
 }
 
+#ifdef __SANITIZE_THREAD__
+constexpr bool kCanFork = false;  // the sanitizer does not follow threads of a forked child
+#else
+constexpr bool kCanFork = true;
+#endif
+
 class Session : public testing::Test {
  protected:
   TemporaryFolder folder;
@@ -266,6 +272,7 @@ TEST_F(Session, EventsTellArmingAndContact) {
 }
 
 TEST_F(Session, AKilledRecordingLosesAtMostTheLastSecondAndReplays) {
+  if (!kCanFork) GTEST_SKIP() << "Forks, which the thread sanitizer does not follow.";
   const auto scene = prepared(ball());
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
@@ -306,6 +313,7 @@ TEST_F(Session, AKilledRecordingLosesAtMostTheLastSecondAndReplays) {
 }
 
 TEST_F(Session, AFullDiskIsSaidAndLeavesNothing) {
+  if (!kCanFork) GTEST_SKIP() << "Forks, which the thread sanitizer does not follow.";
   const auto scene = prepared(ball());
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);

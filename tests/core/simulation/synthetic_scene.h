@@ -13,7 +13,17 @@
 #include "core/simulation/prepared_scene.h"
 #include "core/simulation/runner.h"
 
+#ifdef __SANITIZE_THREAD__
+#include <tbb/global_control.h>
+#endif
+
 namespace palpate {
+
+#ifdef __SANITIZE_THREAD__
+// Debian's TBB is not instrumented: what its workers hand over looks like races. Trees are built on
+// one thread here; the loops' own threads, which these tests are about, are all watched.
+inline const tbb::global_control kOneBuilder(tbb::global_control::max_allowed_parallelism, 1);
+#endif
 
 /// 64 mm cube of 1 mm voxels (or `mm`), its first voxel at a corner of P away from the origin.
 /// `solid` is asked with the voxel's place in mm from the middle of the grid.
