@@ -90,6 +90,41 @@ TEST(ContactFinderLimits, FarPosesFindNothingAndFarOriginsFindTheSame) {
   }
 }
 
+// Ten thousand kilometres from the tool's origin a transform rounds to 2 nm. The tip of a needle is
+// put that close to a voxel's face, with the sphere around tip and shaft only just reaching it.
+TEST(ContactFinderLimits, RoundingFarFromTheToolsOriginHidesNoContact) {
+  constexpr std::uint32_t kSeed = 12;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  std::mt19937 rng(kSeed);
+  const auto grid = testing_volumes::makeGrid({9, 9, 9}, Eigen::Vector3d::Constant(1e-3),
+                                              [](int i, int, int) { return i == 5 ? 1 : 0; });
+  const auto tree = VoxelTree::build(grid, {}, {Branching::Children8, LeafModel::Voxel, false});
+  ASSERT_TRUE(tree);
+  std::uniform_real_distribution<double> nanometres(-5e-9, 5e-9);
+  int touching = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Eigen::Matrix3d R = randomPose(rng, Eigen::Vector3d::Zero(), 1).linear();
+    const Eigen::Vector3d away = R * Eigen::Vector3d(7e6, -5e6, 6e6);
+    const Eigen::Vector3d tip_V(4.5e-3 + nanometres(rng), 4e-3, 4e-3);
+    const Eigen::Vector3d shaft = R.transpose() * Eigen::Vector3d(-4e-3, 0, 0);
+    const PointShell needle = PointShell::fromPoints({away, away + shaft}, {shaft, shaft}).value();
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.linear() = R;
+    X.translation() = tip_V - R * away;
+    QueryOptions brute;
+    brute.method = QueryMethod::BruteForce;
+    const std::size_t expected = findAll(*tree, needle, brute, X).size();
+    touching += expected > 0 ? 1 : 0;
+    for (const QueryMethod method : {QueryMethod::Hierarchy, QueryMethod::Paper}) {
+      QueryOptions options;
+      options.method = method;
+      ASSERT_EQ(findAll(*tree, needle, options, X).size(), expected) << "trial " << trial;
+    }
+  }
+  EXPECT_GT(touching, 500);
+  EXPECT_LT(touching, 1500);
+}
+
 TEST(ContactFinderLimits, AShortOutputGetsTheLowestIndicesAndSaysSo) {
   Scene scene(3);
   const auto all = findAll(scene.tree, scene.shell, {}, scene.X);

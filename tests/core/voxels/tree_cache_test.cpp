@@ -80,6 +80,9 @@ TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
     return bytes;
   };
   ASSERT_EQ(refusal(forge(good), 7), "accepted");
+  std::string wild = good;  // the last four bytes are the root's link
+  wild[wild.size() - 2] = 1;
+  EXPECT_EQ(refusal(forge(wild), 7), "The tree's cache file contradicts itself.");
   int refusals = 0;
   for (int trial = 0; trial < 600; ++trial) {
     std::string bytes = good;
