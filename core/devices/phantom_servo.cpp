@@ -87,6 +87,10 @@ void PhantomServo::takeErrors(VendorScheduler& scheduler) noexcept {
   scheduler.routeErrors(*this);
 }
 
+bool PhantomServo::faulty() const noexcept {
+  return status_.state != DriverState::Ready && status_.state != DriverState::Calibrating;
+}
+
 std::uint32_t PhantomServo::statusBits() const noexcept {
   std::uint32_t bits = status_.poseInvalid ? kDeviceInvalidSample : kDeviceOk;
   switch (status_.state) {
@@ -115,7 +119,6 @@ void PhantomServo::onTick(VendorScheduler& scheduler) noexcept {
   if (there) {
     api.makeCurrentDevice(setup_.handle);
     api.beginFrame(setup_.handle);
-    takeErrors(scheduler);
     if (status_.ticks % kPollTicks == 0) poll(scheduler);
     readState(api);
     takeErrors(scheduler);  // before the owner's tick: a fault cuts the force in this one
@@ -153,13 +156,12 @@ void PhantomServo::poll(VendorScheduler& scheduler) noexcept {
       ++status_.motors;
     }
   }
-  if (status_.state == DriverState::Ready || status_.state == DriverState::Calibrating)
-    calibrate(scheduler);
+  takeErrors(scheduler);
+  if (!faulty()) calibrate(scheduler);
 }
 
 void PhantomServo::calibrate(VendorScheduler& scheduler) noexcept {
   const hd::Api& api = scheduler.library().api;
-  takeErrors(scheduler);
   calibrating_ = true;  // an attempt that fails is no fault: the person tries again
   Calibration::Poll now;
   now.docked = setup_.inkwell && status_.docked;
@@ -234,11 +236,9 @@ void PhantomServo::noteError(const hd::ErrorInfo& error) noexcept {
   ++status_.errors;
   if (calibrating_ && meaning.state != DriverState::Lost) return;
   cleanTicks_ = 0;
-  const bool first =
-      status_.state == DriverState::Ready || status_.state == DriverState::Calibrating;
   // Newest first, so of the errors taken now the cause comes last; later ones only follow from it.
   const bool cause = stateSetNow_ && meaning.state == status_.state;
-  if (first || meaning.state > status_.state || cause) {
+  if (!faulty() || meaning.state > status_.state || cause) {
     stateSetNow_ = true;
     status_.state = meaning.state;
     status_.error = error.code;
@@ -250,8 +250,7 @@ void PhantomServo::noteError(const hd::ErrorInfo& error) noexcept {
 
 /// The end of a tick: the way back from a fault whose cause has gone.
 void PhantomServo::settle(bool clean) noexcept {
-  const bool bad = status_.state != DriverState::Ready && status_.state != DriverState::Calibrating;
-  if (!bad || sticky_) return;
+  if (!faulty() || sticky_) return;
   cleanTicks_ = clean ? cleanTicks_ + 1 : 0;
   if (cleanTicks_ < healTicks_) return;
   // A device that was away may have lost its calibration: the next poll sees.

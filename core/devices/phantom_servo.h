@@ -80,6 +80,7 @@ class PhantomServo final : public VendorDevice {
   void askOwner() noexcept;
   void send(const hd::Api& api) noexcept;
   void settle(bool clean) noexcept;
+  [[nodiscard]] bool faulty() const noexcept;
   [[nodiscard]] std::uint32_t statusBits() const noexcept;
 
   Setup setup_;
