@@ -13,4 +13,5 @@ palpate_library(desktop
     desktop_segment.cpp
     desktop_simulation.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
+    palpate::trade
   PRIVATE nlohmann_json::nlohmann_json)

@@ -1,6 +1,11 @@
 /// Simulation and review: what their buttons do.
 
+#include <algorithm>
+#include <cstdio>
+
 #include "app/desktop_loop.h"
+#include "core/devices/simulated_phantom.h"
+#include "core/trade/tradeoff.h"
 
 namespace palpate {
 
@@ -15,6 +20,46 @@ void Desktop::stopRun() {
          "Replay it in Review."});
   }
   model_.simulate.grabbed = false;
+}
+
+void Desktop::lookForDevices() {
+  model_.simulate.devices = simulatedModels();
+  hardware_.assign(model_.simulate.devices.size(), std::nullopt);
+  const auto touchX =
+      std::find(model_.simulate.devices.begin(), model_.simulate.devices.end(), "touch-x");
+  model_.simulate.device = static_cast<std::size_t>(touchX - model_.simulate.devices.begin());
+  // The vendor's library may take seconds to say that nothing is there. Not for pictures.
+  if (options_.screenshot) return;
+  devices_ = std::async(std::launch::async, [] { return listDevices(); });
+}
+
+void Desktop::chooseDevice(std::size_t index) {
+  if (index >= model_.simulate.devices.size() || simulation_.running()) return;
+  model_.simulate.device = index;
+  model_.simulate.hardware = hardware_[index].has_value();
+  if (model_.simulate.hardware)
+    model_.simulate.latch = false;  // Real force is held, never latched.
+  simulation_.setDevice(model_.simulate.devices[index], hardware_[index]);
+}
+
+void Desktop::measureAccuracy() {
+  const auto scene = simulation_.shared();
+  if (!scene || jobs_.busy()) return;
+  stopRun();
+  jobs_.add("Measuring speed and accuracy", [this, scene](const Progress& progress) {
+    const auto points = sweepTrade(*scene, 1, progress);
+    return [this, scene, points] {
+      if (!points) return complain(points.error(), "The simulation is as it was.");
+      if (points->empty() || simulation_.shared() != scene) return;
+      const auto own = std::find_if(points->begin(), points->end(),
+                                    [](const TradePoint& p) { return p.name == "default"; });
+      const TradePoint& point = own == points->end() ? points->front() : *own;
+      char text[96];
+      std::snprintf(text, sizeof text, "\xc2\xb1%.2f mm  \xc2\xb1%.2f N", point.depthErrorP95_mm,
+                    point.forceErrorP95_N);
+      model_.simulate.accuracy = text;
+    };
+  });
 }
 
 void Desktop::startStop() {

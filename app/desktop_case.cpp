@@ -5,6 +5,7 @@
 
 #include "core/geometry/units.h"
 #include "ui/format.h"
+#include "ui/grey_normals.h"
 
 namespace palpate {
 
@@ -94,7 +95,8 @@ std::vector<ui::LabelRow> labelRows(const OpenCase& open) {
 }
 
 Result<std::vector<LabelSurface>> surfacesOf(const LabelGrid& labels, const LabelTable& table,
-                                             int step, const Progress& progress) {
+                                             const Volume& volume, int step,
+                                             const Progress& progress) {
   std::vector<LabelSurface> surfaces;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double base = static_cast<double>(i) / static_cast<double>(table.size());
@@ -105,6 +107,7 @@ Result<std::vector<LabelSurface>> surfacesOf(const LabelGrid& labels, const Labe
     };
     auto chunks = meshLabel(labels, table[i].value, step, part);
     if (!chunks) return fail(chunks.error());
+    ui::shadeByGrey(*chunks, volume);
     surfaces.push_back({table[i].value, std::move(*chunks)});
   }
   return surfaces;

@@ -29,13 +29,14 @@ struct OpenCase {
 [[nodiscard]] ui::CaseModel describeCase(const OpenCase& open);
 [[nodiscard]] std::vector<ui::LabelRow> labelRows(const OpenCase& open);
 
-/// The surface of every label of the table.
+/// The surface of every label of the table, its light from the grey values.
 struct LabelSurface {
   std::uint8_t value = 0;
   std::vector<SurfaceChunk> chunks;
 };
 [[nodiscard]] Result<std::vector<LabelSurface>> surfacesOf(const LabelGrid& labels,
-                                                           const LabelTable& table, int step,
+                                                           const LabelTable& table,
+                                                           const Volume& volume, int step,
                                                            const Progress& progress);
 
 }  // namespace palpate

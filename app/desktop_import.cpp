@@ -1,6 +1,7 @@
 /// The library: opening cases, importing scans in a child process, the demo.
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/desktop_child.h"
 #include "app/desktop_loop.h"
@@ -158,16 +159,38 @@ void Desktop::importSeries(const fs::path& path, const std::string& uid, const s
   importInto(path, uid, newCaseFolder(path), false);
 }
 
+void Desktop::importRepaired(bool yes) {
+  const fs::path path = std::exchange(model_.library.repairPath, {});
+  if (!yes || jobs_.busy()) return;
+  importInto(path, model_.library.repairUid, newCaseFolder(path), false,
+             model_.library.repairWords);
+}
+
+void Desktop::offerRepair(const Error& error, const fs::path& path, const std::string& uid) {
+  // "Import it with --repair tilt,spacing to have it resampled": the words after the option.
+  const std::string option = "--repair ";
+  const std::string advice = error.advice.value_or("");
+  const std::size_t at = advice.find(option);
+  if (at == std::string::npos) return complain(error, "No case was made.");
+  const std::size_t from = at + option.size();
+  model_.library.repairWords = advice.substr(from, advice.find(' ', from) - from);
+  model_.library.repairPath = path;
+  model_.library.repairUid = uid;
+  model_.library.repairReason = error.message;
+  model_.task = ui::Task::Library;
+}
+
 void Desktop::importInto(const fs::path& path, const std::string& uid, const fs::path& folder,
-                         bool demo) {
+                         bool demo, const std::string& repairs) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
   fs::permissions(folder.parent_path(), fs::perms::owner_all, error);
   jobs_.add(demo ? "Preparing the demo case" : "Importing the scan",
-            [this, path, uid, folder, demo](const Progress& progress) {
+            [this, path, uid, folder, demo, repairs](const Progress& progress) {
               std::vector<std::string> arguments{"import",        path.string(), "--out",
                                                  folder.string(), "--json",      "--progress"};
               if (!uid.empty()) arguments.insert(arguments.end(), {"--series", uid});
+              if (!repairs.empty()) arguments.insert(arguments.end(), {"--repair", repairs});
               arguments.insert(arguments.end(), kLimits.begin(), kLimits.end());
               auto output = runChild(options_.palpateExecutable, arguments, progress);
               if (output && demo) {
@@ -176,12 +199,12 @@ void Desktop::importInto(const fs::path& path, const std::string& uid, const fs:
                                    "--json", "--progress"},
                                   progress);
               }
-              return [this, folder, output] {
+              return [this, path, uid, folder, output] {
                 if (!output) {
                   if (output.error().kind == ErrorKind::Cancelled) return;
                   refused_ = true;
                   refusal_ = output.error();
-                  return complain(output.error(), "No case was made.");
+                  return offerRepair(output.error(), path, uid);
                 }
                 openCase(folder);
               };

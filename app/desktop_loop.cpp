@@ -5,8 +5,6 @@
 #include <cmath>
 #include <thread>
 
-#include "core/devices/simulated_phantom.h"
-
 namespace palpate {
 namespace {
 
@@ -14,7 +12,8 @@ namespace fs = std::filesystem;
 using Seconds = std::chrono::duration<double>;
 
 constexpr std::size_t kTraceSamples = 140;
-constexpr double kIdle_s = 0.25;  // how long the window sleeps when nothing happens
+constexpr double kInformation_s = 7.0;  // long enough to read twice
+constexpr double kIdle_s = 0.25;        // how long the window sleeps when nothing happens
 constexpr double kFrame_s = 1.0 / 60.0;
 constexpr double kSoftwareFrame_s = 1.0 / 30.0;  // leaves the cores to the servo
 // In a picture run: servo ticks a frame, so that frame n always shows the same moment.
@@ -70,14 +69,11 @@ Result<std::unique_ptr<Desktop>> Desktop::open(const DesktopOptions& options) {
   model.library.recent = self->recent_.list();
   model.task = taskNamed(options.task).value_or(ui::Task::Library);
   model.hideTimes = options.screenshot.has_value();
-  model.simulate.devices = simulatedModels();
-  const auto touchX =
-      std::find(model.simulate.devices.begin(), model.simulate.devices.end(), "touch-x");
-  model.simulate.device = static_cast<std::size_t>(touchX - model.simulate.devices.begin());
   model.simulate.latch = options.demoHand;
   self->simulation_.setHand(options.demoHand || options.screenshot ? ui::HandKind::Demo
                                                                    : ui::HandKind::Mouse);
   self->startAfterPrepare_ = options.demoHand || options.screenshot.has_value();
+  self->lookForDevices();
   self->readDatasets();
   self->openFirstCase();
   return self;
@@ -86,6 +82,9 @@ Result<std::unique_ptr<Desktop>> Desktop::open(const DesktopOptions& options) {
 void Desktop::say(ui::MessageModel message) {
   constexpr std::size_t kMost = 3;
   if (model_.messages.size() >= kMost) model_.messages.erase(model_.messages.begin());
+  if (message.kind == ui::MessageModel::Kind::Information) {
+    message.until = monotonic() + kInformation_s;
+  }
   model_.messages.push_back(std::move(message));
 }
 
@@ -104,11 +103,21 @@ void Desktop::complain(const Error& error, const std::string& meaning) {
 
 void Desktop::fillModel(double dt) {
   model_.job = jobs_.model();
+  if (devices_.valid() && devices_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    for (const ListedDevice& device : devices_.get().devices) {
+      if (!device.there || device.info.simulated) continue;
+      model_.simulate.devices.push_back(device.name);
+      hardware_.emplace_back(device.info);
+    }
+  }
   simulation_.describe(model_);
   model_.simulate.info = simulation_.info();
   review_.advance(dt);
   review_.describe(model_.review);
+  std::erase_if(model_.messages, [](const auto& m) { return m.until < monotonic(); });
   const bool reviewing = model_.task == ui::Task::Review;
+  // A recording's steps carry no times of this machine.
+  model_.hideTimes = options_.screenshot.has_value() || reviewing || !simulation_.running();
   const Snapshot* run = simulation_.refresh();
   const Snapshot* replayed = reviewing ? review_.refresh() : nullptr;
   model_.snapshot = replayed != nullptr ? replayed : run;
@@ -175,10 +184,13 @@ Result<void> Desktop::run() {
 }
 
 Result<void> Desktop::renderPicture() {
+  // One frame before the case is there: the camera wants to know the view's shape.
+  window_->beginFrame(0.0);
+  (void)workspace_->draw(*window_, model_, 0.0, true);
+  window_->endFrame();
   jobs_.finishAll();
   if (refused_) return fail(refusal_);
-  // Two frames first: the layout is known from the second on.
-  constexpr int kDrawn = 3;
+  constexpr int kDrawn = 3;  // frames after the last step: sizes of cards settle
   for (int i = 0; i < options_.frames + kDrawn; ++i) {
     simulation_.advanceVirtual(i < options_.frames ? kPictureStep_s : 0.0);
     const bool scripted = script_ && !script_->finished();
@@ -249,11 +261,9 @@ void Desktop::carryOutOne(const ui::Action& action) {
             simulation_.setScene(nullptr);
             prepare();
           },
-          [this](const act::ChooseDevice& a) {
-            if (a.index >= model_.simulate.devices.size()) return;
-            model_.simulate.device = a.index;
-            simulation_.setDevice(model_.simulate.devices[a.index]);
-          },
+          [this](const act::ChooseDevice& a) { chooseDevice(a.index); },
+          [this](const act::ImportRepaired& a) { importRepaired(a.yes); },
+          [this](const act::MeasureAccuracy&) { measureAccuracy(); },
           [this](const act::ChooseHand& a) { simulation_.setHand(a.hand); },
           [this](const act::Latch& a) { model_.simulate.latch = a.on; },
           [this](const act::StartStop&) { startStop(); },

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <deque>
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "app/desktop_recent.h"
 #include "app/desktop_review.h"
 #include "app/desktop_simulation.h"
+#include "core/devices/device_list.h"
 #include "core/scene/material.h"
 #include "ui/workspace.h"
 
@@ -49,7 +51,9 @@ class Desktop {
   void importSeries(const std::filesystem::path& path, const std::string& uid,
                     const std::string& title);
   void importInto(const std::filesystem::path& path, const std::string& uid,
-                  const std::filesystem::path& folder, bool demo);
+                  const std::filesystem::path& folder, bool demo, const std::string& repairs = {});
+  void importRepaired(bool yes);
+  void offerRepair(const Error& error, const std::filesystem::path& path, const std::string& uid);
   [[nodiscard]] std::filesystem::path newCaseFolder(const std::filesystem::path& scan) const;
   void browse(const std::filesystem::path& folder);
 
@@ -70,6 +74,9 @@ class Desktop {
   void chooseSession(std::size_t index);
   void refreshSessions();
   void stopRun();
+  void measureAccuracy();
+  void lookForDevices();
+  void chooseDevice(std::size_t index);
 
   DesktopOptions options_;
   std::unique_ptr<ui::Window> window_;        // outlives the workspace
@@ -85,6 +92,8 @@ class Desktop {
   std::vector<LabelState> undo_;
   std::vector<Instrument> instruments_;
   std::vector<Material> materials_;
+  std::future<DeviceList> devices_;
+  std::vector<std::optional<DeviceInfo>> hardware_;  ///< By device row: empty for simulated ones.
   DesktopSimulation simulation_;
   DesktopReview review_;
   std::optional<ui::UiScript> script_;

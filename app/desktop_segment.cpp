@@ -146,6 +146,7 @@ void Desktop::labelsChanged() {
   workspace_->clearSurfaces();
   workspace_->showRows(model_.segment.labels);
   simulation_.setScene(nullptr);
+  model_.simulate.accuracy.clear();
   model_.simulate.notReady = "Nothing is labelled yet, so there is nothing to feel.";
   if (!open_->labels || open_->table.empty()) return;
   meshLabels();
@@ -155,20 +156,20 @@ void Desktop::labelsChanged() {
 void Desktop::meshLabels() {
   // Software rendering is bound by vertices: half the resolution is a quarter of them.
   const int step = window_->softwareRendering() && open_->volume->size() > 12'000'000 ? 2 : 1;
-  jobs_.add("Drawing the surface",
-            [this, step, labels = open_->labels, table = open_->table](const Progress& progress) {
-              auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
-                  surfacesOf(*labels, table, step, progress));
-              return [this, surfaces, labels] {
-                if (!open_ || open_->labels != labels) return;
-                if (!*surfaces)
-                  return complain(surfaces->error(), "The slices and the feel are unaffected.");
-                for (const LabelSurface& surface : **surfaces) {
-                  workspace_->showSurface(surface.value, surface.chunks);
-                }
-                workspace_->showRows(model_.segment.labels);
-              };
-            });
+  jobs_.add("Drawing the surface", [this, step, labels = open_->labels, table = open_->table,
+                                    volume = open_->volume](const Progress& progress) {
+    auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
+        surfacesOf(*labels, table, *volume, step, progress));
+    return [this, surfaces, labels] {
+      if (!open_ || open_->labels != labels) return;
+      if (!*surfaces) return complain(surfaces->error(), "The slices and the feel are unaffected.");
+      for (const LabelSurface& surface : **surfaces) {
+        workspace_->showSurface(surface.value, surface.chunks);
+      }
+      workspace_->showRows(model_.segment.labels);
+      workspace_->frameSurfaces();
+    };
+  });
 }
 
 void Desktop::prepare() {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
 #include "core/geometry/units.h"
 #include "ui/format.h"
@@ -27,7 +28,14 @@ void DesktopSimulation::setScene(std::shared_ptr<const PreparedScene> scene) {
   restSnapshot();
 }
 
+void DesktopSimulation::setDevice(const std::string& name,
+                                  const std::optional<DeviceInfo>& hardware) {
+  device_ = name;
+  hardware_ = hardware;
+}
+
 const DeviceInfo& DesktopSimulation::info() {
+  if (hardware_) return *hardware_;
   if (infoOf_ == device_) return info_;
   const auto device =
       makeSimulatedPhantom(device_, std::make_shared<FollowingHand>(HandTarget{}), kSeed);
@@ -45,23 +53,29 @@ void DesktopSimulation::restSnapshot() {
   last_.device = last_.tool;
 }
 
+Result<std::unique_ptr<HapticDevice>> DesktopSimulation::makeDevice() {
+  mouseHand_.reset();
+  if (hardware_) {
+    const auto options = phantomOptions(device_);
+    if (!options) return fail(options.error());
+    return std::make_unique<Phantom>(*options);
+  }
+  target_ = HandTarget{};
+  target_.pose_D = stylusAtRest(kStartHeight_m);
+  target_.buttons = 0;  // Arming is the window's, not the stylus' button.
+  if (handKind_ == ui::HandKind::Demo) {
+    return makeSimulatedPhantom(device_, makeSearchingHand(kSeed), kSeed);
+  }
+  mouseHand_ = std::make_shared<FollowingHand>(target_);
+  return makeSimulatedPhantom(device_, mouseHand_, kSeed);
+}
+
 Result<void> DesktopSimulation::start(Clock clock, const std::filesystem::path& recordTo) {
   if (auto stopped = stop(); !stopped) return stopped;
   if (!scene_) {
     return fail(usageError("There is nothing to feel yet.").advise("Segment a tissue first."));
   }
-  target_ = HandTarget{};
-  target_.pose_D = stylusAtRest(kStartHeight_m);
-  target_.buttons = 0;  // Arming is the window's, not the stylus' button.
-  std::shared_ptr<Hand> hand;
-  mouseHand_.reset();
-  if (handKind_ == ui::HandKind::Demo) {
-    hand = makeSearchingHand(kSeed);
-  } else {
-    mouseHand_ = std::make_shared<FollowingHand>(target_);
-    hand = mouseHand_;
-  }
-  auto device = makeSimulatedPhantom(device_, std::move(hand), kSeed);
+  auto device = makeDevice();
   if (!device) return fail(device.error());
   RunOptions options;
   options.clock = clock;

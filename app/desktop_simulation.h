@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,10 @@ class DesktopSimulation {
   /// Stops what runs and takes a new scene; null: none.
   void setScene(std::shared_ptr<const PreparedScene> scene);
   [[nodiscard]] const PreparedScene* scene() const noexcept { return scene_.get(); }
+  [[nodiscard]] std::shared_ptr<const PreparedScene> shared() const noexcept { return scene_; }
 
-  void setDevice(std::string model) { device_ = std::move(model); }
+  /// A simulated model, or a Phantom by its listed name with what it says of itself.
+  void setDevice(const std::string& name, const std::optional<DeviceInfo>& hardware);
   void setHand(ui::HandKind hand) noexcept { handKind_ = hand; }
   [[nodiscard]] const DeviceInfo& info();  ///< Of the chosen device.
 
@@ -52,8 +55,10 @@ class DesktopSimulation {
 
  private:
   void restSnapshot();
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> makeDevice();
   std::shared_ptr<const PreparedScene> scene_;
   std::string device_ = "touch-x";
+  std::optional<DeviceInfo> hardware_;
   std::string infoOf_;
   DeviceInfo info_;
   ui::HandKind handKind_ = ui::HandKind::Mouse;

@@ -37,6 +37,12 @@ struct ImportSeries {
   std::string uid;
 };
 struct CloseSeriesList {};
+/// Leave to resample, for the scan that is offered (LibraryModel::repairPath).
+struct ImportRepaired {
+  bool yes;
+};
+/// Sweeps the settings and shows what the scene's own costs and errs.
+struct MeasureAccuracy {};
 struct CancelJob {};
 struct DismissMessage {
   std::size_t index;
@@ -109,15 +115,14 @@ struct StayOpen {};
 
 namespace palpate::ui {
 
-using Action =
-    std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
-                 act::Import, act::ImportSeries, act::CloseSeriesList, act::CancelJob,
-                 act::DismissMessage, act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo,
-                 act::ChooseInstrument, act::ChooseDevice, act::ChooseHand, act::Latch,
-                 act::StartStop, act::Record, act::ResetTool, act::ForceOff, act::ClearFault,
-                 act::Arm, act::Grab, act::MoveHand, act::TurnHand, act::SolverIterations,
-                 act::RefreshSessions, act::ChooseSession, act::Replay, act::PlayPause, act::Scrub,
-                 act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
+using Action = std::variant<
+    act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse, act::Import,
+    act::ImportSeries, act::CloseSeriesList, act::ImportRepaired, act::MeasureAccuracy,
+    act::CancelJob, act::DismissMessage, act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo,
+    act::ChooseInstrument, act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop,
+    act::Record, act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
+    act::TurnHand, act::SolverIterations, act::RefreshSessions, act::ChooseSession, act::Replay,
+    act::PlayPause, act::Scrub, act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
 using Actions = std::vector<Action>;
 
 }  // namespace palpate::ui

@@ -7,10 +7,12 @@ namespace palpate::ui {
 
 void Camera::frame(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm, double aspect) {
   target_mm = 0.5 * (low_mm + high_mm);
+  // A little above the middle: instruments come from there.
+  target_mm.z() += 0.08 * (high_mm.z() - low_mm.z());
   const double radius = std::max(1.0, 0.5 * (high_mm - low_mm).norm());
   const double half = std::atan(std::tan(0.5 * fieldOfView) * std::min(1.0, aspect));
-  // 0.78: a head is nearer to an ellipsoid than to its box, so its sphere can be cut a little.
-  distance_mm = 0.78 * radius / std::sin(half);
+  // 0.88: a head is nearer to an ellipsoid than to its box, so its sphere can be cut a little.
+  distance_mm = 0.88 * radius / std::sin(half);
   lookFrom({0.62, -1.0, 0.28});
 }
 

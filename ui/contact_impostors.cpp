@@ -10,7 +10,7 @@ namespace palpate::ui {
 namespace {
 
 constexpr float kRadius_mm = 0.32F;      // about half a voxel of a head CT: contacts stay apart
-constexpr float kLeastRadius_px = 2.2F;  // still a dot when the whole head is in view
+constexpr float kLeastRadius_px = 3.0F;  // still a dot when the whole head is in view
 constexpr float kTowardsEye_mm = 1.5F;   // contacts lie inside the bone; lift them onto its surface
 
 }  // namespace

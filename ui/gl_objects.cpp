@@ -166,8 +166,11 @@ void GlFramebuffer::bind() const {
 void GlFramebuffer::copyFrom(const GlFramebuffer& other) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, other.id_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id_.id());
-  glBlitFramebuffer(0, 0, other.width_, other.height_, 0, 0, width_, height_,
-                    GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, other.width_, other.height_, 0, 0, width_, height_, GL_DEPTH_BUFFER_BIT,
+                    GL_NEAREST);
+  const bool same = other.width_ == width_ && other.height_ == height_;
+  glBlitFramebuffer(0, 0, other.width_, other.height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
+                    same ? GL_NEAREST : GL_LINEAR);
 }
 
 void bindWindow(int width, int height) {

@@ -82,7 +82,7 @@ class GlFramebuffer {
   [[nodiscard]] unsigned depth() const noexcept { return depth_.id(); }
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
-  /// Copies colour and depth from a framebuffer of the same size.
+  /// Copies colour and depth; a framebuffer of another size is scaled.
   void copyFrom(const GlFramebuffer& other) const;
 
  private:

@@ -32,6 +32,7 @@ struct JobModel {
 struct MessageModel {
   enum class Kind : std::uint8_t { Information, Warning, Problem } kind = Kind::Information;
   std::string happened, meaning, advice;
+  double until = 1e300;  ///< Seconds of the window's clock: information goes by itself.
 };
 
 struct CaseModel {
@@ -69,6 +70,9 @@ struct LibraryModel {
   std::vector<DirectoryRow> entries;
   std::vector<SeriesRow> series;  ///< Not empty: several volumes, choose one.
   std::filesystem::path seriesPath;
+  /// A scan that was refused but can be imported resampled: what is wrong, and how ("tilt").
+  std::filesystem::path repairPath;
+  std::string repairUid, repairWords, repairReason;
 };
 
 struct LabelRow {
@@ -99,9 +103,10 @@ struct SimulateModel {
   std::vector<std::string> devices;  ///< Simulated models.
   std::size_t device = 0;
   HandKind hand = HandKind::Mouse;
-  bool latch = false;    ///< Arm stays on until pressed again. Simulated devices only.
-  bool ready = false;    ///< The scene is prepared.
-  std::string notReady;  ///< Why not: a sentence.
+  bool hardware = false;  ///< The chosen device is real: the hand is the user's own.
+  bool latch = false;     ///< Arm stays on until pressed again. Simulated devices only.
+  bool ready = false;     ///< The scene is prepared.
+  std::string notReady;   ///< Why not: a sentence.
   bool running = false, armed = false, recording = false;
   bool grabbed = false;  ///< The mouse holds the instrument.
   double recordedSeconds = 0;

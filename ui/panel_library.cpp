@@ -87,12 +87,25 @@ void drawSeries(const Painter& paint, const LibraryModel& library) {
   }
 }
 
+void drawRepair(const Painter& paint, const LibraryModel& library) {
+  if (library.repairPath.empty()) return;
+  notice(paint, MessageModel::Kind::Warning,
+         library.repairReason + " It can be resampled to a regular grid; the case then says so.");
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (button(paint, icon::kCheck, "Repair", Emphasis::Normal, half)) {
+    paint.actions.push_back(act::ImportRepaired{true});
+  }
+  ImGui::SameLine();
+  if (button(paint, icon::kClose, "Leave it", Emphasis::Quiet, half)) {
+    paint.actions.push_back(act::ImportRepaired{false});
+  }
+}
+
 void drawImport(const Painter& paint, const Model& model, LibraryPanelState& state) {
   section(paint, "IMPORT A SCAN");
   ImGui::SetNextItemWidth(-1.0F);
-  const bool entered =
-      ImGui::InputTextWithHint("##path", "Folder, DICOMDIR, zip, .inv3, NIfTI, NRRD, .mha",
-                               &state.path, ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool entered = ImGui::InputTextWithHint("##path", "Folder or file of the scan", &state.path,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
   paint.note("Path of the scan");
   const bool idle = !model.job.active;
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
@@ -106,6 +119,7 @@ void drawImport(const Painter& paint, const Model& model, LibraryPanelState& sta
   if ((entered || pressed) && idle && !state.path.empty()) {
     paint.actions.push_back(act::Import{state.path});
   }
+  drawRepair(paint, model.library);
   if (state.browsing) drawBrowser(paint, model, state);
 }
 

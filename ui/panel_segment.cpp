@@ -146,7 +146,9 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   for (std::size_t i = 0; i < presets.size(); ++i) {
     if (i % 2 == 1) ImGui::SameLine();
+    // "Bone (CT)" and "Skin and all within": the first words are enough on a button.
     std::string title = presets[i]->title.substr(0, presets[i]->title.find(" ("));
+    title = title.substr(0, title.find(" and "));
     if (button(paint, i == state.preset ? icon::kCheck : nullptr, title, Emphasis::Normal, half)) {
       choose(i);
       state.previewing = true;

@@ -68,7 +68,9 @@ void drawInstruments(const Painter& paint, const SimulateModel& simulate) {
     const float left = a.x + paint.px(102.0F);
     ImFont* small = paint.fonts.secondary;
     list->AddText({left, a.y + paint.px(7.0F)}, packed(paint.theme.text),
-                  shortened(row.title, paint.fonts.body, b.x - left - paint.px(6.0F)).c_str());
+                  shortened(row.title.substr(0, row.title.find(',')), paint.fonts.body,
+                            b.x - left - paint.px(6.0F))
+                      .c_str());
     char size[96];
     std::snprintf(size, sizeof size, "%.0f \xc3\x97 %.1f mm \xc2\xb7 %.0f g", row.length_mm,
                   row.width_mm, row.mass_g);
@@ -80,12 +82,13 @@ void drawInstruments(const Painter& paint, const SimulateModel& simulate) {
 std::string deviceTitle(const std::string& model) {
   if (model == "touch") return "Touch";
   if (model == "touch-x") return "Touch X";
-  if (model == "premium-6dof") return "Premium 6D";
+  if (model == "premium-6dof") return "Premium";
+  if (model.rfind("phantom", 0) == 0) return "Phantom";
   return model;
 }
 
 void drawDevice(const Painter& paint, const SimulateModel& simulate) {
-  section(paint, "SIMULATED DEVICE");
+  section(paint, simulate.hardware ? "DEVICE" : "SIMULATED DEVICE");
   std::vector<std::string> names;
   for (const auto& device : simulate.devices) names.push_back(deviceTitle(device));
   if (!names.empty()) {
@@ -93,6 +96,7 @@ void drawDevice(const Painter& paint, const SimulateModel& simulate) {
         segmented(paint, "device", names, simulate.device, !simulate.running);
     if (chosen != simulate.device) paint.actions.push_back(act::ChooseDevice{chosen});
   }
+  if (simulate.hardware) return;
   const std::size_t hand = simulate.hand == HandKind::Mouse ? 0 : 1;
   const std::size_t picked =
       segmented(paint, "hand", {"Mouse moves it", "Demo hand"}, hand, !simulate.running);
@@ -120,8 +124,12 @@ void drawSafety(const Painter& paint, const Model& model, bool& spaceHolds) {
   } else {
     sentence(paint, "Start the simulation, then arm: no force leaves the program before.");
   }
+  if (simulate.running && simulate.hand == HandKind::Demo && !simulate.hardware) {
+    sentence(paint, "The demo hand holds the stylus' button: it arms by itself.");
+    return;
+  }
   bool latch = simulate.latch;
-  if (toggle(paint, "Arming stays on (simulated only)", latch, !simulate.running)) {
+  if (toggle(paint, "Arming stays on", latch, !simulate.running && !simulate.hardware)) {
     paint.actions.push_back(act::Latch{latch});
   }
   if (simulate.latch) {
@@ -138,7 +146,7 @@ void drawSafety(const Painter& paint, const Model& model, bool& spaceHolds) {
   }
 }
 
-void drawNumbers(const Painter& paint, const SimulateModel& simulate) {
+void drawNumbers(const Painter& paint, const SimulateModel& simulate, bool busy) {
   section(paint, "SPEED AND ACCURACY");
   if (simulate.ready) {
     keyValue(paint, "Sphere tree", simulate.tree);
@@ -153,13 +161,17 @@ void drawNumbers(const Painter& paint, const SimulateModel& simulate) {
   keyValue(paint, "Turning", text);
   std::snprintf(text, sizeof text, "%.1f N, %.2f N for long", d.peakForce, d.continuousForce);
   keyValue(paint, "Most force", text);
-  ImGui::SetNextItemWidth(-1.0F);
   int iterations = static_cast<int>(simulate.setting.solverIterations);
-  if (ImGui::SliderInt("##iterations", &iterations, 10, 500, "%d impulses a step")) {
-    paint.actions.push_back(
-        act::SolverIterations{static_cast<std::uint32_t>(std::clamp(iterations, 10, 500))});
+  if (slider(paint, "Impulses a step", iterations, 10, 500)) {
+    paint.actions.push_back(act::SolverIterations{static_cast<std::uint32_t>(iterations)});
   }
-  paint.note("Impulses a step");
+  keyValue(paint, "Error (95 of 100)",
+           simulate.accuracy.empty() ? std::string("not measured") : simulate.accuracy);
+  if (button(paint, icon::kCrosshair, "Measure", Emphasis::Normal, -1.0F, simulate.ready && !busy,
+             "Runs the same approach and slide over this setting and the most exact one, and "
+             "compares depth and force. Takes up to a few minutes.")) {
+    paint.actions.push_back(act::MeasureAccuracy{});
+  }
   if (!simulate.realTimeNote.empty() && !simulate.realTime) sentence(paint, simulate.realTimeNote);
 }
 
@@ -195,7 +207,7 @@ void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHold
   if (button(paint, icon::kReset, "Reset tool", Emphasis::Normal, half, simulate.running)) {
     paint.actions.push_back(act::ResetTool{});
   }
-  if (simulate.hand == HandKind::Mouse &&
+  if (simulate.hand == HandKind::Mouse && !simulate.hardware &&
       button(
           paint, icon::kHand, simulate.grabbed ? "Let go of the instrument" : "Take the instrument",
           Emphasis::Normal, -1.0F, simulate.running,
@@ -206,7 +218,7 @@ void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHold
   drawSafety(paint, model, spaceHolds);
   drawInstruments(paint, simulate);
   drawDevice(paint, simulate);
-  drawNumbers(paint, simulate);
+  drawNumbers(paint, simulate, model.job.active);
 }
 
 }  // namespace palpate::ui

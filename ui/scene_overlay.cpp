@@ -60,7 +60,15 @@ bool interactWithScene(Camera& camera, const Rect& area, bool holding, Actions& 
   if (hovered && !holding && ImGui::IsMouseDoubleClicked(0)) return true;
   if (holding) {
     const bool turning = ImGui::IsItemActive() && ImGui::IsMouseDown(1);
-    const bool over = area.contains(io.MousePos.x, io.MousePos.y);
+    // Both ends of the motion: coming in from the panel is no push.
+    const bool over =
+        area.contains(io.MousePos.x, io.MousePos.y) &&
+        area.contains(io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y);
+    if (ImGui::IsItemActive() && ImGui::IsMouseDown(0)) {
+      const double turn = 3.2 / std::max(1.0, height);
+      camera.orbit(dx * turn, -dy * turn);
+      return false;
+    }
     if (turning && (dx != 0.0 || dy != 0.0)) {
       constexpr double kTurn = 0.006;  // rad a pixel
       actions.push_back(act::TurnHand{camera.q_PC * Eigen::Vector3d(dy * kTurn, dx * kTurn, 0.0)});

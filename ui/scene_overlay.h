@@ -20,7 +20,8 @@ void drawOrientationCube(ImDrawList& list, const Camera& camera, ImVec2 centre, 
                                          double towardsScene_mm, double viewHeight);
 
 /// Reads the mouse over the view's own button (the last item). `holding`: the mouse moves the hand
-/// instead of the camera. True when it was double-clicked.
+/// instead of the camera (a left drag
+/// still turns the camera, a right drag the instrument). True when it was double-clicked.
 bool interactWithScene(Camera& camera, const Rect& area, bool holding, Actions& actions);
 
 }  // namespace palpate::ui

@@ -10,7 +10,7 @@ namespace palpate::ui {
 namespace {
 
 constexpr double kRest_s = 0.18;       // the camera counts as still after this
-constexpr double kBand_ms = 10.0;      // a band of the full picture: a frame stays under 30 ms
+constexpr double kBand_ms = 18.0;      // a band of the full picture: a frame stays under 50 ms
 constexpr int kSupersample = 2;        // of the full surface picture
 constexpr float kOcclusion_mm = 7.0F;  // hollows about as wide as an instrument
 
@@ -150,7 +150,9 @@ bool SceneView::continueFine(const VolumeTextures& textures, bool all) {
 }
 
 void SceneView::composite(const Snapshot& snapshot, const Theme& theme) {
-  composite_.resize(anatomyShown_->width(), anatomyShown_->height());
+  // A coarse draft of the anatomy must not make the instrument coarse.
+  composite_.resize(std::max(last_.width, anatomyShown_->width()),
+                    std::max(last_.height, anatomyShown_->height()));
   composite_.copyFrom(*anatomyShown_);
   composite_.bind();
   const double aspect = aspectOf(composite_);

@@ -8,12 +8,18 @@ void SurfaceLayer::setLabel(std::uint8_t value, const std::vector<SurfaceChunk>&
                             const Eigen::Vector3d& origin_mm) {
   Label& label = labels_[value];
   label.chunks.clear();
+  label.low_mm = Eigen::Vector3d::Constant(1e30);
+  label.high_mm = -label.low_mm;
   std::vector<float> interleaved;
   for (const SurfaceChunk& chunk : chunks) {
     if (chunk.triangles.empty()) continue;
     interleaved.clear();
     interleaved.reserve(chunk.vertices_mm.size() * 2);
     for (std::size_t v = 0; v + 2 < chunk.vertices_mm.size(); v += 3) {
+      const Eigen::Vector3d p =
+          Eigen::Map<const Eigen::Vector3f>(&chunk.vertices_mm[v]).cast<double>();
+      label.low_mm = label.low_mm.cwiseMin(p);
+      label.high_mm = label.high_mm.cwiseMax(p);
       for (std::size_t c = 0; c < 3; ++c) {
         interleaved.push_back(static_cast<float>(static_cast<double>(chunk.vertices_mm[v + c]) -
                                                  origin_mm[static_cast<Eigen::Index>(c)]));
@@ -52,6 +58,16 @@ void SurfaceLayer::draw(const GlProgram& program) const {
     for (const GlMesh& chunk : label.chunks) drawMesh(chunk);
   }
   glDisable(GL_DEPTH_TEST);
+}
+
+std::optional<std::array<Eigen::Vector3d, 2>> SurfaceLayer::bounds_mm() const {
+  std::optional<std::array<Eigen::Vector3d, 2>> box;
+  for (const auto& [value, label] : labels_) {
+    if (label.chunks.empty()) continue;
+    if (!box) box = {label.low_mm, label.high_mm};
+    box = {(*box)[0].cwiseMin(label.low_mm), (*box)[1].cwiseMax(label.high_mm)};
+  }
+  return box;
 }
 
 std::size_t SurfaceLayer::triangles() const noexcept {

@@ -1,8 +1,10 @@
 #pragma once
 /// The anatomy's surface in the 3D view: chunks of triangles, by label.
 
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "imaging/surface.h"
@@ -21,6 +23,8 @@ class SurfaceLayer {
   /// With the program of mesh.vert + anatomy.frag in use and its matrices set.
   void draw(const GlProgram& program) const;
 
+  /// Corners of the box around all surfaces, P, mm; nothing when empty.
+  [[nodiscard]] std::optional<std::array<Eigen::Vector3d, 2>> bounds_mm() const;
   [[nodiscard]] bool empty() const noexcept { return labels_.empty(); }
   [[nodiscard]] std::size_t triangles() const noexcept;
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
@@ -28,6 +32,7 @@ class SurfaceLayer {
  private:
   struct Label {
     std::vector<GlMesh> chunks;
+    Eigen::Vector3d low_mm = Eigen::Vector3d::Zero(), high_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3f colour{0.89F, 0.83F, 0.69F};
     bool visible = true;
   };

@@ -13,8 +13,9 @@ namespace {
 // Closer than this the ghost would only smear the instrument's edge.
 constexpr double kGhostFrom_mm = 0.8;
 constexpr double kLeastForce_N = 0.02;
-constexpr double kLeastTorque_Nm = 5e-4;
-constexpr double kArcPerTorque = 5.5 / 0.05;  // rad for a N·m: a full arc at 50 N·mm
+constexpr double kLeastTorque_Nm = 1.5e-3;
+constexpr double kLeastArc = 0.9;             // rad: shorter is no arc
+constexpr double kArcPerTorque = 4.6 / 0.05;  // rad for a N·m: a full arc at 50 N·mm
 
 Eigen::Vector3f rgb(const ImVec4& c) {
   return {c.x, c.y, c.z};
@@ -87,7 +88,7 @@ void ToolLayer::drawWrench(const Snapshot& snapshot, const Camera& camera,
   // The contact's torque about the tip: most devices draw it because they cannot make it felt.
   const Eigen::Vector3d torque = vec(snapshot.contact.torque);
   if (torque.norm() > kLeastTorque_Nm) {
-    show(arcShape(tip, torque.normalized(), 30.0 * pixel, torque.norm() * kArcPerTorque,
+    show(arcShape(tip, torque.normalized(), 30.0 * pixel, kLeastArc + torque.norm() * kArcPerTorque,
                   1.8 * pixel),
          theme.attention);
   }

@@ -11,12 +11,12 @@ namespace palpate::ui {
 std::vector<TransferPoint> transferFor(const std::string& modality,
                                        const std::array<double, 2>& window) {
   if (modality == "CT") {
-    // HU. Under 130 nothing: neither skin nor soft tissue shows. 130–300 contrast and spongy bone.
-    return {{130.0, {0.45F, 0.20F, 0.15F, 0.0F}},
-            {220.0, {0.72F, 0.45F, 0.33F, 0.05F}},
-            {380.0, {0.88F, 0.78F, 0.62F, 0.28F}},
-            {900.0, {0.93F, 0.89F, 0.79F, 0.60F}},
-            {2000.0, {1.0F, 0.98F, 0.94F, 0.85F}}};
+    // HU. Under 180 nothing: neither skin nor soft tissue shows. Up to 300 spongy bone.
+    return {{180.0, {0.60F, 0.38F, 0.28F, 0.0F}},
+            {300.0, {0.80F, 0.62F, 0.46F, 0.10F}},
+            {450.0, {0.90F, 0.82F, 0.67F, 0.38F}},
+            {900.0, {0.94F, 0.90F, 0.80F, 0.70F}},
+            {2000.0, {1.0F, 0.98F, 0.94F, 0.90F}}};
   }
   const double low = window[0] - 0.5 * window[1];
   const auto at = [&](double share) { return low + share * window[1]; };

@@ -159,6 +159,33 @@ bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabl
   return pressed && enabled;
 }
 
+bool slider(const Painter& paint, const std::string& label, int& value, int low, int high) {
+  keyValue(paint, label, std::to_string(value));
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float height = paint.px(16.0F);
+  ImGui::InvisibleButton(label.c_str(), {width, height});
+  paint.note(label);
+  const ImVec2 a = ImGui::GetItemRectMin();
+  const float knob = paint.px(6.0F);
+  bool changed = false;
+  if (ImGui::IsItemActive()) {
+    const float f = (ImGui::GetIO().MousePos.x - a.x - knob) / std::max(1.0F, width - 2.0F * knob);
+    const auto span = static_cast<float>(high - low);
+    const int wanted = low + static_cast<int>(std::lround(std::clamp(f, 0.0F, 1.0F) * span));
+    changed = wanted != value;
+    value = wanted;
+  }
+  const float f = static_cast<float>(value - low) / static_cast<float>(std::max(1, high - low));
+  const float y = std::round(a.y + 0.5F * height);
+  const float x = a.x + knob + f * (width - 2.0F * knob);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float r = paint.px(2.0F);
+  list->AddRectFilled({a.x, y - r}, {a.x + width, y + r}, packed(paint.theme.hover), r);
+  list->AddRectFilled({a.x, y - r}, {x, y + r}, packed(paint.theme.accent), r);
+  list->AddCircleFilled({x, y}, knob, packed(paint.theme.accent), 24);
+  return changed;
+}
+
 void heading(const Painter& paint, const std::string& text) {
   ImGui::PushFont(paint.fonts.heading);
   ImGui::TextUnformatted(text.c_str());

@@ -44,6 +44,9 @@ std::size_t segmented(const Painter& paint, const char* id, const std::vector<st
 /// A switch with its words on the left.
 bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabled = true);
 
+/// A key and a value over a thin track; true when the value changed.
+bool slider(const Painter& paint, const std::string& label, int& value, int low, int high);
+
 void heading(const Painter& paint, const std::string& text);   ///< Of a panel, 20 px.
 void section(const Painter& paint, const std::string& text);   ///< Of a part, 13 px, secondary.
 void sentence(const Painter& paint, const std::string& text);  ///< 13 px, secondary, wrapped.

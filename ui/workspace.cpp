@@ -29,6 +29,7 @@ void Workspace::showVolume(const Volume& volume) {
   const Rect& area = layout_.view[0];
   const double aspect = area.h > 0.0F ? static_cast<double>(area.w / area.h) : 1.0;
   resetViews(state_, volume, aspect);
+  startCamera_ = state_.camera;
   scene_->setOrigin(state_.camera.target_mm);
   scene_->volume().setTransfer(transferFor(modality_, state_.window));
   scene_->surface().clear();
@@ -49,6 +50,15 @@ void Workspace::showRows(const std::vector<LabelRow>& rows) {
 
 void Workspace::showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks) {
   scene_->surface().setLabel(label, chunks, scene_->origin_mm());
+}
+
+void Workspace::frameSurfaces() {
+  const auto box = scene_->surface().bounds_mm();
+  if (!box || !(state_.camera == startCamera_)) return;
+  const Rect& area = layout_.view[0];
+  const double aspect = area.h > 0.0F ? static_cast<double>(area.w / area.h) : 1.0;
+  state_.camera.frame((*box)[0], (*box)[1], aspect);
+  startCamera_ = state_.camera;
 }
 
 void Workspace::clearSurfaces() {

@@ -34,6 +34,8 @@ class Workspace {
   void showRows(const std::vector<LabelRow>& rows);
   void showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks);
   void clearSurfaces();
+  /// Puts the camera on all surfaces, unless it was moved since the volume was shown.
+  void frameSurfaces();
   void showInstrument(const Instrument& instrument);
   void clearCase();
 
@@ -73,6 +75,7 @@ class Workspace {
   LibraryPanelState library_;
   SegmentPanelState segment_;
   TriangleMesh instrument_;
+  Camera startCamera_;
   bool spaceHolds_ = false, armKey_ = false, help_ = false;
   std::string modality_;
   std::uint64_t followedStep_ = 0;

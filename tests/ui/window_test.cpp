@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 
 #include "imaging/surface.h"
 #include "tests/ui/synthetic_case.h"
@@ -131,6 +132,137 @@ TEST_F(WindowTest, LooksAsAcceptedInLight) {
   Shown shown;
   shown.model.task = Task::Segment;
   expectGolden(drawn(shown, options(true)), "window_segment_light");
+}
+
+/// Draws with a script's input until it ends; gives the actions of all frames.
+Actions played(Window& window, Workspace& workspace, const Model& model, const std::string& text) {
+  Actions all;
+  auto script = UiScript::parse(text, "test");
+  EXPECT_TRUE(script);
+  double now = 0.0;
+  while (script && !script->finished()) {
+    const auto input = script->next(workspace.items(), true);
+    EXPECT_TRUE(input) << sentence(input.error());
+    if (!input) break;
+    window.inject(*input);
+    window.beginFrame(0.0);
+    ImGui::GetIO().DeltaTime = 1.0F / 60.0F;
+    const Actions actions = workspace.draw(window, model, now += 1.0, true);
+    all.insert(all.end(), actions.begin(), actions.end());
+    window.endFrame();
+  }
+  return all;
+}
+
+template <class T>
+int countOf(const Actions& actions) {
+  int count = 0;
+  for (const Action& action : actions) count += std::holds_alternative<T>(action) ? 1 : 0;
+  return count;
+}
+
+class InteractionTest : public WindowTest {
+ protected:
+  void SetUp() override {
+    WindowTest::SetUp();
+    if (IsSkipped()) return;
+    auto window = Window::open(options());
+    ASSERT_TRUE(window) << sentence(window.error());
+    window_ = std::move(*window);
+    auto workspace = Workspace::load(shaders());
+    ASSERT_TRUE(workspace) << sentence(workspace.error());
+    workspace_ = std::move(*workspace);
+    (void)play("wait 2");
+    fill(*workspace_, shown_);
+    (void)play("wait 2");
+  }
+  Actions play(const std::string& text) {
+    return played(*window_, *workspace_, shown_.model, text);
+  }
+  Shown shown_;
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+TEST_F(InteractionTest, PicturesAreMadeOnlyWhenTheirInputsChange) {
+  (void)play("wait 60");  // the full picture of the anatomy is made in bands
+  const int before = workspace_->picturesMade();
+  (void)play("wait 20");
+  EXPECT_EQ(workspace_->picturesMade(), before);
+  EXPECT_FALSE(workspace_->busy());
+  (void)play("move 600 400\nwheel 1\nwait 1");
+  EXPECT_EQ(workspace_->picturesMade(), before + 1) << "the 3D view alone";
+}
+
+TEST_F(InteractionTest, DoubleClickFillsTheWindowAndEscapeReturns) {
+  (void)play("double 1140 160\nwait 2");
+  ASSERT_EQ(workspace_->views().filled, View::Axial);
+  EXPECT_FLOAT_EQ(workspace_->layout().view[1].w, 1280.0F);
+  const Actions actions = play("key escape\nwait 2");
+  EXPECT_EQ(workspace_->views().filled, std::nullopt);
+  EXPECT_EQ(countOf<act::ForceOff>(actions), 1) << "escape is force off before anything else";
+}
+
+TEST_F(InteractionTest, KeysAndTabsAskForTheirTask) {
+  for (const auto& [input, task] :
+       {std::pair{"key 2", Task::Segment}, std::pair{"click-item Review", Task::Review}}) {
+    const Actions actions = play(input);
+    ASSERT_EQ(countOf<act::ShowTask>(actions), 1) << input;
+    for (const Action& action : actions) {
+      const auto* show = std::get_if<act::ShowTask>(&action);
+      EXPECT_TRUE(show == nullptr || show->task == task) << input;
+    }
+  }
+}
+
+TEST_F(InteractionTest, TheWheelTurnsSlicesAndTheRightButtonChangesTheWindow) {
+  shown_.model.snapshot = nullptr;
+  const double z = workspace_->views().crosshair_P.z();
+  (void)play("move 1140 160\nwheel 3\nwait 1");
+  EXPECT_NEAR(workspace_->views().crosshair_P.z() - z, 3 * shown_.head.geometry.spacing.z(),
+              0.6 * shown_.head.geometry.spacing.z());
+  const double width = workspace_->views().window[1];
+  (void)play("drag 1100 150 1180 150 right\nwait 1");
+  EXPECT_GT(workspace_->views().window[1], width * 1.1);
+  (void)play("click 1100 120\nwait 1");
+  EXPECT_LT(workspace_->views().crosshair_P.x(), 0.0)
+      << "left of the middle is the patient's right";
+}
+
+TEST_F(InteractionTest, WithShiftTheMouseMovesTheHandAndNotTheCamera) {
+  const Camera before = workspace_->views().camera;
+  const Actions actions =
+      play("move 600 400\nhold shift\nmove 620 400\nmove 640 400\nlet shift\nwait 1");
+  EXPECT_GE(countOf<act::MoveHand>(actions), 1);
+  EXPECT_TRUE(workspace_->views().camera == before);
+  (void)play("drag 600 400 660 400");
+  EXPECT_FALSE(workspace_->views().camera == before) << "without it the drag orbits";
+}
+
+TEST_F(InteractionTest, ArmingLastsAsLongAsItIsHeld) {
+  shown_.model.simulate.latch = false;
+  shown_.model.simulate.armed = false;
+  const Actions actions = play("hold a\nwait 3\nlet a\nwait 2");
+  std::vector<bool> arms;
+  for (const Action& action : actions) {
+    if (const auto* arm = std::get_if<act::Arm>(&action)) arms.push_back(arm->on);
+  }
+  EXPECT_EQ(arms, (std::vector<bool>{true, false}));
+}
+
+TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {
+  (void)play("key v\nwait 2");
+  Picture picture;
+  for (int i = 0; i < 400 && (i < 3 || workspace_->busy()); ++i) (void)play("wait 1");
+  EXPECT_FALSE(workspace_->busy());
+  picture = window_->picture();
+  // The middle of the forehead against a corner of the view: bone is light, the ground dark.
+  const auto brightness = [&picture](int x, int y) {
+    const auto at = static_cast<std::size_t>((y * picture.width + x) * 4);
+    return picture.rgba[at] + picture.rgba[at + 1] + picture.rgba[at + 2];
+  };
+  EXPECT_GT(brightness(620, 300), 250);
+  EXPECT_LT(brightness(330, 690), 150);
 }
 
 }  // namespace
