@@ -66,7 +66,7 @@ TEST(GridReport, DirectionIsColumnAfterColumn) {
   Eigen::Matrix3d turn;
   turn << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x of V points along y of P
   geometry.X_PV.linear() = turn;
-  geometry.X_PV.translation() = {0.001, -0.002, 0.0};
+  geometry.X_PV.translation() = Eigen::Vector3d(0.001, -0.002, 0.0);
   nlohmann::ordered_json json;
   addGridFields(json, geometry);
   EXPECT_EQ(json["direction"], nlohmann::json({0, 1, 0, 0, 0, 1, 1, 0, 0}));
@@ -141,7 +141,7 @@ TradeoffResult threePoints() {
   TradeoffResult result;
   for (int i = 0; i < 3; ++i) {
     TradePoint point;
-    point.name = i == 1 ? "a<b & \"c\"" : "p" + std::to_string(i);
+    point.name = std::array{"p0", "a<b & \"c\"", "p2"}[static_cast<std::size_t>(i)];
     point.forceErrorP95_N = 0.1 * i;
     point.stepP999_us = 300.0 / (i + 1);
     point.onFront = i != 1;
