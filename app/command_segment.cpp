@@ -146,6 +146,14 @@ Result<void> applyStep(const SegmentStep& step, Work& work, const Progress& prog
   return {};
 }
 
+/// A wrong name in a recipe is a wrong file, not a wrong command line.
+Error fromRecipe(Error error, const fs::path& recipe) {
+  if (recipe.empty() || error.kind != ErrorKind::Usage) return error;
+  error.kind = ErrorKind::InputRefused;
+  error.file = recipe.string();
+  return error;
+}
+
 CommandOutput reportLabels(const Work& work) {
   CommandOutput output;
   output.json["labels"] = nlohmann::ordered_json::array();
@@ -184,9 +192,8 @@ Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandCon
     work.table = std::move(*table);
   }
   for (const SegmentStep& step : *steps) {
-    if (const Result<void> applied = applyStep(step, work, context.progress); !applied) {
-      return fail(applied.error());
-    }
+    const Result<void> applied = applyStep(step, work, context.progress);
+    if (!applied) return fail(fromRecipe(applied.error(), options.recipe));
   }
   if (context.progress.cancelled()) return fail(cancelled());
   if (const Result<void> written = writeCaseLabels(options.caseFolder, *work.labels, work.table);

@@ -56,7 +56,12 @@ Result<std::unique_ptr<HapticDevice>> makeDevice(const SimulateOptions& options,
     hand = makeSearchingHand(options.seed);
   } else {
     Result<std::unique_ptr<Hand>> scripted = readScriptedHand(options.hand);
-    if (!scripted) return fail(scripted.error());
+    if (!scripted) {
+      Error error = scripted.error();
+      if (!error.advice)
+        error.advise("Correct the file, or leave --hand out for the built-in hand.");
+      return fail(error);
+    }
     hand = std::move(*scripted);
   }
   return makeSimulatedPhantom(scene.device, std::move(hand), options.seed);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <csignal>
 #include <cstring>
@@ -62,10 +63,10 @@ struct LimitGuard::Watch {
   bool finished = false;
   std::thread thread;
 
-  [[nodiscard]] std::string sentence() const {
-    return "The command took longer than its limit of " +
-           std::to_string(static_cast<long>(seconds)) +
-           " s and was stopped; nothing was written. Give it more time, or a smaller input.";
+  [[nodiscard]] Error error() const {
+    return machineError("The command took longer than its limit of " +
+                        std::to_string(std::lround(seconds)) + " s and was stopped.")
+        .advise("Nothing was written; give it more time, or a smaller input.");
   }
 
   void run() {
@@ -75,7 +76,7 @@ struct LimitGuard::Watch {
     up.store(true);
     cancelToken.cancel();
     if (done.wait_for(lock, kGrace, [this] { return finished; })) return;
-    const std::string text = "\n" + sentence() + "\n";
+    const std::string text = "\n" + sentence(error()) + "\n";
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
     ::_exit(kExitMachine);
   }
@@ -108,8 +109,8 @@ bool LimitGuard::timeIsUp() const noexcept {
   return watch_->up.load();
 }
 
-std::string LimitGuard::timeSentence() const {
-  return watch_->sentence();
+Error LimitGuard::timeError() const {
+  return watch_->error();
 }
 
 }  // namespace palpate

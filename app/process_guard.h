@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
+#include "core/base/error.h"
 #include "core/base/progress.h"
 
 namespace palpate {
@@ -35,8 +35,8 @@ class LimitGuard {
   LimitGuard& operator=(const LimitGuard&) = delete;
 
   [[nodiscard]] bool timeIsUp() const noexcept;
-  /// The sentence for a command that was stopped by the time limit.
-  [[nodiscard]] std::string timeSentence() const;
+  /// For a command that was stopped by the time limit.
+  [[nodiscard]] Error timeError() const;
 
  private:
   struct Watch;

@@ -28,6 +28,9 @@ constexpr const char* kPurpose =
     "Palpate: feel a patient's own scan before operating on it.\n"
     "For training and research; not for diagnosis.";
 
+/// The program and its libraries need about half of this before they read anything.
+constexpr std::uint64_t kLeastMemoryMiB = 128;
+
 struct ProgramOptions {
   bool json = false, progress = false, verbose = false;
   ProcessLimits limits;
@@ -42,7 +45,7 @@ void addProgramOptions(CLI::App& program, ProgramOptions& options) {
   program
       .add_option("--limit-memory-mib", options.limits.memoryMiB,
                   "Stop where the command needs more memory than this")
-      ->check(CLI::Range(std::uint64_t{64}, std::uint64_t{1} << 30U));
+      ->check(CLI::Range(kLeastMemoryMiB, std::uint64_t{1} << 30U));
   program
       .add_option("--limit-seconds", options.limits.seconds,
                   "Stop where the command takes longer than this")
@@ -112,7 +115,7 @@ int runCommand(const CommandFunction& run, const ProgramOptions& options, Consol
   const Result<CommandOutput> output = runGuarded(run, context);
   if (!output) {
     if (output.error().kind == ErrorKind::Cancelled && guard.timeIsUp()) {
-      return console.error(machineError(guard.timeSentence()));
+      return console.error(guard.timeError());
     }
     return console.error(output.error());
   }

@@ -94,7 +94,7 @@ TEST_F(BrokenInput, ThresholdThatSelectsNothing) {
 
 TEST_F(BrokenInput, UnknownPresetIsRefusedWithTheList) {
   ASSERT_TRUE(makeBallCase(folder / "case"));
-  refused({"segment", at("case"), "--preset", "ct-wood"}, 3, "input-refused");
+  refused({"segment", at("case"), "--preset", "ct-wood"}, 2, "usage");
   EXPECT_NE(run.err.find("ct-bone"), std::string::npos);
 }
 
@@ -205,6 +205,7 @@ TEST_F(BrokenInput, Recipes) {
       {"[[step]]\npreset = \"ct-bone\"\ncolour = 3\n", "colour"},
       {"[[step]]\nthreshold = [3, 2]\nlabel = \"x\"\n", "range"},
       {"[[step]]\npreset = 7\n", "wrong type"},
+      {"[[step]]\npreset = \"ct-wood\"\n", "ct-bone"},
       {"", "no steps"},
       {"[[step]\n", "not TOML"}};
   for (const auto& [text, words] : rows) {
