@@ -74,6 +74,7 @@ ui::CaseModel describeCase(const OpenCase& open) {
   model.lossy = open.info.lossy;
   const auto [low, high] = valueRange(*open.volume);
   model.valueRange = {low, high};
+  model.presetModality = !model.modality.empty() ? model.modality : low < -500.0 ? "CT" : "MR";
   model.histogram = histogramOf(*open.volume, 128);
   return model;
 }

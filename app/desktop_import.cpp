@@ -93,7 +93,7 @@ void Desktop::showCase(OpenCase open) {
   model_.openCase = describeCase(*open_);
   model_.presetRanges.clear();
   for (const Preset& preset : segmentationPresets()) {
-    if (!open_->volume->modality.empty() && preset.modality != open_->volume->modality) continue;
+    if (preset.modality != model_.openCase.presetModality) continue;
     const auto range = presetRange(preset.name, *open_->volume);
     model_.presetRanges.push_back(range ? *range : ThresholdRange{});
   }

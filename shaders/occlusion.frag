@@ -1,5 +1,5 @@
 #version 330 core
-// Darkens the anatomy in its hollows: twelve depth taps around each pixel, at a radius that is the
+// Darkens the anatomy in its hollows: six pairs of depth taps around each pixel, at a radius that is the
 // same in the patient (mm) wherever it is seen. Also hands the depth on.
 in vec2 uv;
 out vec4 colour;
@@ -24,16 +24,19 @@ void main() {
   float here = distanceAt(depth);
   float reach = clamp(radius * pixelsPerMm / here, 2.0, 60.0);
   float hidden = 0.0;
-  // A fixed rotation per pixel of a 4×4 pattern: no noise texture, the same picture every time.
-  float turn = float((int(gl_FragCoord.x) & 3) * 4 + (int(gl_FragCoord.y) & 3)) * 0.3927;
-  for (int i = 0; i < 12; ++i) {
+  // A fixed rotation per pixel of a 2×2 block, which the half-size picture then averages: no noise.
+  float turn = float((int(gl_FragCoord.x) & 1) * 2 + (int(gl_FragCoord.y) & 1)) * 0.65;
+  for (int i = 0; i < 6; ++i) {
+    // Opposite taps in pairs: on a slope one is nearer by what the other is farther, so that only
+    // hollows darken.
     float angle = turn + float(i) * 2.399963;
-    float r = reach * sqrt((float(i) + 0.5) / 12.0);
-    float there = distanceAt(texture(depthMap, uv + vec2(cos(angle), sin(angle)) * r / size).r);
-    float closer = here - there;
-    // Far in front is another surface, not a hollow: fade its share out.
-    hidden += smoothstep(0.02 * radius, 0.6 * radius, closer) *
-              (1.0 - smoothstep(1.5 * radius, 4.0 * radius, closer));
+    vec2 offset = vec2(cos(angle), sin(angle)) * reach * sqrt((float(i) + 0.5) / 6.0) / size;
+    float a = here - distanceAt(texture(depthMap, uv + offset).r);
+    float b = here - distanceAt(texture(depthMap, uv - offset).r);
+    // Far in front or behind is another surface: it says nothing about this one.
+    float share = (1.0 - smoothstep(2.0 * radius, 5.0 * radius, abs(a))) *
+                 (1.0 - smoothstep(2.0 * radius, 5.0 * radius, abs(b)));
+    hidden += share * smoothstep(0.02 * radius, 0.55 * radius, 0.5 * (a + b));
   }
-  colour.rgb *= 1.0 - 0.62 * hidden / 12.0;
+  colour.rgb *= 1.0 - 0.60 * hidden / 6.0;
 }

@@ -53,7 +53,8 @@ void main() {
     }
     float value = valueAt(p);
     vec4 c = texture(transfer, vec2((value - transferRange.x) / (transferRange.y - transferRange.x), 0.5));
-    if (c.a > 0.002) {
+    // The table has 256 steps and its end is clamped: the limit itself is exact.
+    if (value > opaqueFrom && c.a > 0.002) {
       vec3 g = vec3(valueAt(p + vec3(1, 0, 0)) - valueAt(p - vec3(1, 0, 0)),
                     valueAt(p + vec3(0, 1, 0)) - valueAt(p - vec3(0, 1, 0)),
                     valueAt(p + vec3(0, 0, 1)) - valueAt(p - vec3(0, 0, 1)));

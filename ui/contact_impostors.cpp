@@ -73,7 +73,7 @@ void ContactImpostors::draw(const Camera& camera, const Eigen::Vector3d& origin_
   glBindVertexArray(array_.id());
   glDepthMask(GL_FALSE);
   glDepthFunc(GL_GREATER);
-  program_.set("opacity", 0.30F);
+  program_.set("opacity", 0.60F);
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count_);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);

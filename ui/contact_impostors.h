@@ -14,7 +14,8 @@ class ContactImpostors {
   [[nodiscard]] static Result<ContactImpostors> load(const std::filesystem::path& shaders);
   /// Uploads positions (world = patient) minus `origin_mm`, colours by depth.
   void update(const Snapshot& snapshot, const Eigen::Vector3d& origin_mm);
-  /// Into the bound framebuffer with depth. Contacts behind the anatomy shine through faintly.
+  /// Into the bound framebuffer with depth. Contacts behind the anatomy or the instrument shine
+  /// through.
   void draw(const Camera& camera, const Eigen::Vector3d& origin_mm, double aspect,
             double heightPixels) const;
 

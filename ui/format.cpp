@@ -23,7 +23,7 @@ std::string printed(const char* format, int decimals, double value) {
 std::string padded(const std::string& number, std::size_t width) {
   std::string out;
   for (std::size_t i = number.size(); i < width; ++i) out += kFigureSpace;
-  return number[0] == '-' ? out + kMinus + number.substr(1) : out + number;
+  return !number.empty() && number[0] == '-' ? out + kMinus + number.substr(1) : out + number;
 }
 
 std::string withUnit(std::string number, const std::string& unit) {
@@ -35,8 +35,10 @@ std::string withUnit(std::string number, const std::string& unit) {
 std::string fixed(double value, int digits, int decimals, const std::string& unit) {
   const auto width = static_cast<std::size_t>(digits + (decimals > 0 ? decimals + 1 : 0));
   if (!std::isfinite(value)) {
-    std::string dashes;
-    for (std::size_t i = 0; i < width; ++i) dashes += i + 2 < width ? kFigureSpace : kFigureDash;
+    // The decimal point stays: it is narrower than a digit.
+    std::string dashes = padded("", static_cast<std::size_t>(digits - 1)) + kFigureDash;
+    if (decimals > 0) dashes += '.';
+    for (int i = 0; i < decimals; ++i) dashes += kFigureDash;
     return withUnit(dashes, unit);
   }
   const double limit = std::pow(10.0, digits) - std::pow(10.0, -decimals);

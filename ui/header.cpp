@@ -119,10 +119,12 @@ void drawHeader(const Painter& paint, const Rect& area, const Model& model) {
   const float chip = drawChip(paint, area, model, tabsEnd);
 
   ImFont* font = paint.fonts.secondary;
-  std::string title = model.openCase.open
-                          ? model.openCase.title + " \xc2\xb7 " + model.openCase.modality + " " +
-                                model.openCase.geometry
-                          : std::string("No case open");
+  std::string title = "No case open";
+  if (model.openCase.open) {
+    title = model.openCase.title + " \xc2\xb7 ";
+    if (!model.openCase.modality.empty()) title += model.openCase.modality + " ";
+    title += model.openCase.geometry;
+  }
   const float room = chip - tabsEnd - paint.px(48.0F);
   title = shortened(title, font, std::max(0.0F, room));
   const float at = chip - paint.px(20.0F) - textWidth(font, title);

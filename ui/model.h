@@ -44,6 +44,9 @@ struct CaseModel {
   bool lossy = false;
   std::vector<float> histogram;  ///< Even bins over valueRange, heights 0..1 (log).
   std::array<double, 2> valueRange{0, 0};
+  /// Whose presets are offered: the modality, or, where the file does not say, what the values look
+  /// like (nothing but CT reaches far below zero).
+  std::string presetModality;
 };
 
 struct RecentCase {

@@ -71,7 +71,7 @@ void drawRange(const Painter& paint, const CaseModel& open, SegmentPanelState& s
 void drawLabels(const Painter& paint, const Model& model) {
   section(paint, "LABELS");
   if (model.segment.labels.empty()) {
-    sentence(paint, "Nothing is labelled yet. Choose a preset above and press Segment.");
+    sentence(paint, "Nothing is labelled yet. Choose a preset above and press Segment tissue.");
   }
   ImDrawList* list = ImGui::GetWindowDrawList();
   for (const LabelRow& label : model.segment.labels) {
@@ -125,7 +125,7 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   // Only what fits the scan: a CT's numbers mean nothing in an MR.
   std::vector<const Preset*> presets;
   for (const Preset& preset : segmentationPresets()) {
-    if (model.openCase.modality.empty() || preset.modality == model.openCase.modality) {
+    if (preset.modality == model.openCase.presetModality) {
       presets.push_back(&preset);
     }
   }
@@ -164,8 +164,9 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   ImGui::SetNextItemWidth(-1.0F);
   ImGui::InputTextWithHint("##name", "Name of the label", &state.name);
   paint.note("Name of the label");
-  if (button(paint, icon::kMagic, "Segment", Emphasis::Primary, -1.0F,
-             !model.job.active && !state.name.empty())) {
+  const bool pressed = button(paint, icon::kMagic, "Segment tissue", Emphasis::Primary, -1.0F,
+                              !model.job.active && !state.name.empty());
+  if (pressed) {
     const bool preset = state.preset < presets.size();
     act::Segment action;
     action.request.range = {static_cast<double>(state.low), static_cast<double>(state.high)};

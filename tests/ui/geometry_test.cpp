@@ -28,8 +28,8 @@ TEST(Sections, ABallIsCutInACircle) {
   for (const auto& s : segments) {
     for (const Eigen::Vector3d& p : s) {
       EXPECT_NEAR(p.z(), 33.0, 1e-9);
-      // The mesh has 32 sides: its edge lies within 1 - cos(π/32) = 0.5 % of the circle.
-      EXPECT_NEAR(std::hypot(p.x() - 10.0, p.y() - 20.0), 3.0, 0.03);
+      // A polygon of 32 sides (1 - cos(π/32) = 0.5 %) through a profile cut every π/13 (0.7 %).
+      EXPECT_NEAR(std::hypot(p.x() - 10.0, p.y() - 20.0), 3.0, 0.04);
     }
   }
   EXPECT_TRUE(crossSection(placed, grid, 2, 20.0).empty());
@@ -72,7 +72,9 @@ TEST(Camera, FramesWhatItIsTold) {
   const Eigen::Matrix4f clip = camera.projection(1.2) * camera.view(Eigen::Vector3d::Zero());
   const Eigen::Vector4f centre = clip * Eigen::Vector4f(0, 0, 0, 1);
   EXPECT_NEAR(centre.x() / centre.w(), 0.0, 1e-4);
-  EXPECT_NEAR(centre.y() / centre.w(), 0.0, 1e-4);
+  // A little below the middle, so that instruments have room above.
+  EXPECT_LT(centre.y(), 0.0F);
+  EXPECT_GT(centre.y() / centre.w(), -0.2F);
   // The head stays up, and the patient's left is seen on the right from the front.
   const Eigen::Vector4f head = clip * Eigen::Vector4f(0, 0, 60, 1);
   const Eigen::Vector4f left = clip * Eigen::Vector4f(100, 0, 0, 1);

@@ -28,7 +28,7 @@ struct Shown {
     model.task = Task::Simulate;
     model.openCase.open = true;
     model.openCase.title = "Synthetic head";
-    model.openCase.modality = "CT";
+    model.openCase.modality = model.openCase.presetModality = "CT";
     model.openCase.geometry = "2.08 \xc3\x97 2.08 \xc3\x97 2.08 mm";
     model.openCase.source = "MetaImage, 96 \xc3\x97 108 \xc3\x97 96";
     model.openCase.valueRange = {-1000, 1150};
@@ -135,11 +135,11 @@ TEST_F(WindowTest, LooksAsAcceptedInLight) {
 }
 
 /// Draws with a script's input until it ends; gives the actions of all frames.
-Actions played(Window& window, Workspace& workspace, const Model& model, const std::string& text) {
+Actions played(Window& window, Workspace& workspace, const Model& model, const std::string& text,
+               double& now) {
   Actions all;
   auto script = UiScript::parse(text, "test");
   EXPECT_TRUE(script);
-  double now = 0.0;
   while (script && !script->finished()) {
     const auto input = script->next(workspace.items(), true);
     EXPECT_TRUE(input) << sentence(input.error());
@@ -177,11 +177,12 @@ class InteractionTest : public WindowTest {
     (void)play("wait 2");
   }
   Actions play(const std::string& text) {
-    return played(*window_, *workspace_, shown_.model, text);
+    return played(*window_, *workspace_, shown_.model, text, now_);
   }
   Shown shown_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<Workspace> workspace_;
+  double now_ = 0.0;  ///< The window's clock: a second a frame.
 };
 
 TEST_F(InteractionTest, PicturesAreMadeOnlyWhenTheirInputsChange) {

@@ -1,0 +1,165 @@
+/// The desktop from end to end on a case of synthetic anatomy: deterministic pictures, refusals,
+/// and the chain of buttons from start to replay. Needs a display.
+
+#include "app/desktop.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "core/session/replay.h"
+#include "imaging/case_folder.h"
+#include "tests/ui/synthetic_case.h"
+#include "ui/picture.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DesktopTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("DISPLAY") == nullptr) {
+      GTEST_SKIP() << "There is no display; run under xvfb-run -a.";
+    }
+    char name[] = "/tmp/palpate_desktop_XXXXXX";
+    folder_ = ::mkdtemp(name);
+    ImportedScan scan;
+    scan.volume = test::syntheticHead(56);
+    scan.sourceFormat = "MetaImage";
+    scan.description = "Synthetic head";
+    scan.pseudonym = "Case-0001";
+    const LabelGrid bone = test::syntheticBone(scan.volume);
+    ASSERT_TRUE(writeNewCase(folder_ / "case", scan));
+    ASSERT_TRUE(writeCaseLabels(folder_ / "case", bone, {LabelInfo{.name = "bone"}}));
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  DesktopOptions options() const {
+    DesktopOptions o;
+    o.casePath = folder_ / "case";
+    o.datasets = PALPATE_DATASETS;
+    o.shaders = PALPATE_SHADERS;
+    o.userFolder = folder_ / "user";
+    o.uiScale = 1.0F;
+    return o;
+  }
+  void script(DesktopOptions& o, const std::string& text) const {
+    o.uiScript = folder_ / "script.txt";
+    std::ofstream(*o.uiScript) << text;
+  }
+  fs::path folder_;
+};
+
+TEST_F(DesktopTest, TheSamePictureEveryTime) {
+  DesktopOptions o = options();
+  o.frames = 140;
+  std::vector<ui::Picture> pictures;
+  for (const char* name : {"a.png", "b.png"}) {
+    o.screenshot = folder_ / name;
+    ASSERT_EQ(runDesktop(o), 0);
+    const auto picture = ui::readPng(*o.screenshot);
+    ASSERT_TRUE(picture) << sentence(picture.error());
+    pictures.push_back(*picture);
+  }
+  EXPECT_EQ(pictures[0].width, 1280);
+  EXPECT_EQ(pictures[0].height, 800);
+  EXPECT_EQ(pictures[0].rgba, pictures[1].rgba);
+}
+
+TEST_F(DesktopTest, ACaseThatIsNotThereIsRefused) {
+  DesktopOptions o = options();
+  o.casePath = folder_ / "nothing";
+  o.screenshot = folder_ / "a.png";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(runDesktop(o), 3);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("nothing"), std::string::npos);
+  EXPECT_FALSE(fs::exists(*o.screenshot));
+}
+
+TEST_F(DesktopTest, APictureThatCannotBeWrittenSaysSo) {
+  DesktopOptions o = options();
+  o.frames = 1;
+  o.screenshot = folder_ / "no/such/folder/a.png";
+  EXPECT_EQ(runDesktop(o), 4);
+}
+
+TEST_F(DesktopTest, MissingShadersAreNamed) {
+  DesktopOptions o = options();
+  o.shaders = folder_;
+  o.screenshot = folder_ / "a.png";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(runDesktop(o), 4);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("fullscreen.vert"), std::string::npos);
+}
+
+TEST_F(DesktopTest, ButtonsRecordASessionThatReplaysIdentically) {
+  DesktopOptions o = options();
+  // "Record" turns into "Stop m:ss.t": the key is the way that does not depend on the time.
+  script(o,
+         "wait-idle\nwait 5\nclick-item Demo hand\nclick-item Record\nwait 60\nkey r\nwait 5\n"
+         "click-item Review\nwait 2\nclick-item Session 1\nwait-idle\n"
+         "click-item Replay and compare\nwait-idle\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  std::vector<fs::path> sessions;
+  for (const auto& entry : fs::directory_iterator(folder_ / "case/sessions")) {
+    sessions.push_back(entry.path());
+  }
+  ASSERT_EQ(sessions.size(), 1U);
+  const auto header = readSessionHeader(sessions[0]);
+  ASSERT_TRUE(header) << sentence(header.error());
+  EXPECT_TRUE(header->finished);
+  EXPECT_GT(header->steps, 200U);
+  if (!header->exact) GTEST_SKIP() << "The recorder dropped samples: this machine is too busy.";
+  const auto scene = prepareSession(sessions[0]);
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  const auto report = replaySession(sessions[0], *scene);
+  ASSERT_TRUE(report) << sentence(report.error());
+  EXPECT_TRUE(report->identical);
+}
+
+TEST_F(DesktopTest, RemovingALabelCanBeUndone) {
+  const auto before = readCaseLabels(folder_ / "case");
+  ASSERT_TRUE(before);
+  DesktopOptions o = options();
+  o.task = "segment";
+  script(o, "wait-idle\nwait 3\nclick-item Remove bone\nwait-idle\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  EXPECT_FALSE(caseHasLabels(folder_ / "case"));
+
+  ASSERT_TRUE(writeCaseLabels(folder_ / "case", *before, {LabelInfo{.name = "bone"}}));
+  script(o,
+         "wait-idle\nwait 3\nclick-item Remove bone\nwait-idle\nwait 3\n"
+         "click-item Undo: removing bone\nwait-idle\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  const auto after = readCaseLabels(folder_ / "case");
+  ASSERT_TRUE(after) << sentence(after.error());
+  EXPECT_EQ(after->labels, before->labels);
+}
+
+TEST_F(DesktopTest, SegmentingInTheWindowGivesTheLabelOfTheCommand) {
+  const auto before = readCaseLabels(folder_ / "case");
+  ASSERT_TRUE(before);
+  std::error_code ignored;
+  fs::remove(folder_ / "case/labels.mha", ignored);
+  fs::remove(folder_ / "case/labels.toml", ignored);
+  DesktopOptions o = options();
+  script(o,
+         "wait-idle\nwait 3\nclick-item Segment\nwait 2\nclick-item Segment "
+         "tissue\nwait-idle\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  const auto volume = readCaseVolume(folder_ / "case");
+  const auto after = readCaseLabels(folder_ / "case");
+  ASSERT_TRUE(volume && after);
+  for (std::size_t i = 0; i < after->labels.size(); ++i) {
+    const double hu = volume->value(i);
+    ASSERT_EQ(after->labels[i] != 0, hu >= 226 && hu <= 3071) << hu;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
