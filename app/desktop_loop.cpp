@@ -1,5 +1,7 @@
 #include "app/desktop_loop.h"
 
+#include "app/desktop_signals.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -153,7 +155,8 @@ Result<void> Desktop::run() {
   double last = monotonic();
   int settle = 3;  // frames after an event: Dear ImGui answers an input a frame later
   bool quit = false;
-  while (!quit && !mayClose()) {
+  const DesktopSignals signals;
+  while (!quit && !mayClose() && !DesktopSignals::askedToClose()) {
     std::optional<fs::path> screenshot;
     const auto asked = scriptFrame(screenshot);
     if (!asked) return fail(asked.error());

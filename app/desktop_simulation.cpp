@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/desktop_signals.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
 #include "core/geometry/units.h"
@@ -92,11 +93,13 @@ Result<void> DesktopSimulation::start(Clock clock, const std::filesystem::path& 
     return fail(runner.error());
   }
   runner_ = std::move(*runner);
+  DesktopSignals::guard(runner_.get());
   clock_ = clock;
   armed_ = false;
   restSnapshot();
   if (clock == Clock::Real) {
     if (auto started = runner_->start(); !started) {
+      DesktopSignals::guard(nullptr);
       runner_.reset();
       recorder_.reset();
       return fail(started.error());
@@ -115,6 +118,7 @@ Result<void> DesktopSimulation::stop() {
   runner_->forceOff();
   runner_->stop();
   const RunReport report = runner_->report();
+  DesktopSignals::guard(nullptr);
   runner_.reset();
   mouseHand_.reset();
   armed_ = false;

@@ -77,7 +77,7 @@ void applyTheme(const Theme& theme, float scale) {
   style.FramePadding = ImVec2(10.0F, 7.0F);
   style.ItemSpacing = ImVec2(8.0F, 8.0F);
   style.ItemInnerSpacing = ImVec2(8.0F, 4.0F);
-  style.ScrollbarSize = 10.0F;
+  style.ScrollbarSize = 8.0F;
   style.GrabMinSize = 14.0F;
   style.WindowRounding = style.ChildRounding = style.FrameRounding = style.PopupRounding =
       style.GrabRounding = style.ScrollbarRounding = Measures::kCorner;
@@ -97,9 +97,8 @@ void applyTheme(const Theme& theme, float scale) {
   c[ImGuiCol_FrameBgHovered] = theme.hover;
   c[ImGuiCol_FrameBgActive] = theme.hover;
   c[ImGuiCol_ScrollbarBg] = withAlpha(theme.panel, 0.0F);
-  c[ImGuiCol_ScrollbarGrab] = theme.hover;
-  c[ImGuiCol_ScrollbarGrabHovered] = theme.secondary;
-  c[ImGuiCol_ScrollbarGrabActive] = theme.secondary;
+  c[ImGuiCol_ScrollbarGrab] = theme.raised;  // quiet until it is looked for
+  c[ImGuiCol_ScrollbarGrabHovered] = c[ImGuiCol_ScrollbarGrabActive] = theme.hover;
   c[ImGuiCol_CheckMark] = theme.accent;
   c[ImGuiCol_SliderGrab] = c[ImGuiCol_SliderGrabActive] = theme.accent;
   c[ImGuiCol_Button] = theme.raised;
