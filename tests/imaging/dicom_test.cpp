@@ -55,7 +55,10 @@ class TransferSyntax : public testing::TestWithParam<const char*> {};
 
 TEST_P(TransferSyntax, GivesTheSameVoxels) {
   TestFolder folder;
-  const Volume v = sample(2);
+  Volume v = sample(2);
+  // Twelve bits, as scanners store. On sixteen bits of noise DCMTK's JPEG-LS encoder (3.6.7) writes
+  // streams that its own tools cannot read again.
+  for (auto& x : v.int16) x = static_cast<std::int16_t>(x / 16);
   writeDicomSeries(v, folder.path(), {.transferSyntax = GetParam()});
   const auto scan = importScan({.path = folder.path()});
   ASSERT_TRUE(scan) << sentence(scan.error());
