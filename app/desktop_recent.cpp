@@ -43,7 +43,7 @@ std::vector<ui::RecentCase> RecentCases::list() const {
     if (!info) continue;
     const GridGeometry& g = info->geometry;
     rows.push_back({folder, info->description.empty() ? info->pseudonym : info->description,
-                    info->modality + " \xc2\xb7 " +
+                    (info->modality.empty() ? "" : info->modality + " \xc2\xb7 ") +
                         ui::spacingText(millimetres(g.spacing.x()), millimetres(g.spacing.y()),
                                         millimetres(g.spacing.z()))});
   }

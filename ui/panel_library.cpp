@@ -74,6 +74,9 @@ void drawBrowser(const Painter& paint, const Model& model, LibraryPanelState& st
 void drawSeries(const Painter& paint, const LibraryModel& library) {
   section(paint, "SERIES IN THIS STUDY");
   sentence(paint, "Several volumes were found. Choose the one to make a case of.");
+  if (button(paint, icon::kClose, "Import none", Emphasis::Normal)) {
+    paint.actions.push_back(act::CloseSeriesList{});
+  }
   for (const SeriesRow& series : library.series) {
     const std::string detail = series.importable ? series.detail : series.reason;
     ImGui::PushID(series.uid.c_str());
@@ -81,9 +84,6 @@ void drawSeries(const Painter& paint, const LibraryModel& library) {
       paint.actions.push_back(act::ImportSeries{library.seriesPath, series.uid});
     }
     ImGui::PopID();
-  }
-  if (button(paint, icon::kClose, "Import none", Emphasis::Quiet)) {
-    paint.actions.push_back(act::CloseSeriesList{});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "core/geometry/units.h"
+#include "core/haptics/safety.h"
 #include "ui/format.h"
 #include "ui/icons.h"
 #include "ui/panels.h"
@@ -159,7 +160,9 @@ void drawNumbers(const Painter& paint, const SimulateModel& simulate, bool busy)
   keyValue(paint, "Coupling", text);
   std::snprintf(text, sizeof text, "%.2f N\xc2\xb7m/rad", d.couplingStiffnessR);
   keyValue(paint, "Turning", text);
-  std::snprintf(text, sizeof text, "%.1f N, %.2f N for long", d.peakForce, d.continuousForce);
+  const SafetyLimits limits = recommendedLimits(d);
+  std::snprintf(text, sizeof text, "%.1f N, %.2f N for long", limits.peakForce,
+                limits.continuousForce);
   keyValue(paint, "Most force", text);
   int iterations = static_cast<int>(simulate.setting.solverIterations);
   if (slider(paint, "Impulses a step", iterations, 10, 500)) {
