@@ -45,24 +45,25 @@ stage_lint() {
     xargs -P "$jobs" -n 4 clang-tidy -p build/release --quiet --warnings-as-errors='*' 2>/dev/null
 }
 
-# The two loops and everything that crosses between threads.
-threaded='^(base|haptics|simulated_devices|phantom|simulation|session)\.'
-stage_tsan() {
-  build tsan &&
-    TSAN_OPTIONS='halt_on_error=1 second_deadlock_stack=1' \
-      ctest --test-dir build/tsan -j "$jobs" --output-on-failure -LE long -R "$threaded"
+# sanitized <preset> <rooms>: builds only the test programs of these rooms, and runs them.
+sanitized() {
+  local preset=$1 rooms=$2 room
+  local targets=()
+  for room in ${rooms//|/ }; do targets+=(--target "test_$room"); done
+  build "$preset" "${targets[@]}" &&
+    ctest --test-dir "build/$preset" -j "$jobs" --output-on-failure -LE long -R "^($rooms)\."
 }
 
-# Everything that reads files or does arithmetic on indices; the loops are under tsan.
-memory='base|geometry|voxels|collision|dynamics|haptics|scene|session|imaging'
+# The two loops and everything that crosses between threads.
+stage_tsan() {
+  TSAN_OPTIONS='halt_on_error=1 second_deadlock_stack=1' \
+    sanitized tsan 'base|haptics|simulated_devices|phantom|simulation|session'
+}
+
+# Everything that reads files or does arithmetic on indices.
 stage_asan() {
-  cmake --preset asan >/dev/null || return 1
-  local targets=()
-  local room
-  for room in ${memory//|/ }; do targets+=(--target "test_$room"); done
-  cmake --build --preset asan -j "$jobs" "${targets[@]}" &&
-    ASAN_OPTIONS='detect_leaks=1 strict_string_checks=1' UBSAN_OPTIONS='print_stacktrace=1' \
-      ctest --test-dir build/asan -j "$jobs" --output-on-failure -LE long -R "^($memory)\."
+  ASAN_OPTIONS='strict_string_checks=1' UBSAN_OPTIONS='print_stacktrace=1' \
+    sanitized asan 'base|geometry|voxels|collision|dynamics|scene|session|imaging'
 }
 
 # A private display of a fixed size, so that golden pictures have one size everywhere.
