@@ -12,6 +12,10 @@ namespace {
 constexpr double kMaxControllerDamping = 3.0;
 constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
+/// Ticks without contact over which what is left of the coupling's force goes to zero. Long enough
+/// that a contact that flickers does not chatter, short enough not to be felt as stickiness.
+constexpr std::uint32_t kReleaseTicks = 20;
+
 void rotate(const Eigen::Quaterniond& q, double (&v)[3]) noexcept {
   const Eigen::Vector3d r = q * Eigen::Vector3d(v[0], v[1], v[2]);
   for (int i = 0; i < 3; ++i) v[i] = r[i];
@@ -86,6 +90,15 @@ Wrench ServoLoop::coupledWrench(const DeviceSample& device) const noexcept {
   return couplingWrench(settings_.gains, plain(p, q), tool.v, tool.w, device);
 }
 
+/// 1 in contact, 0 in free space. Out of contact the tool's inertia and lag would be felt as a
+/// drag, and what they give and take would spend the energy balance before a contact begins
+/// (McNeely 1999: no output in free space).
+double ServoLoop::contactScale() noexcept {
+  const std::uint32_t release = std::max(kReleaseTicks, 3 * settings_.declaredStepTicks);
+  freeTicks_ = tool_.value().contacts > 0 ? 0 : std::min(freeTicks_ + 1, release);
+  return 1.0 - static_cast<double>(freeTicks_) / release;
+}
+
 ServoSample ServoLoop::tick() noexcept {
   ServoSample out;
   out.device = readDevice();
@@ -111,8 +124,15 @@ ServoSample ServoLoop::tick() noexcept {
   if (in.clearFault && safety_.state() == SafetyState::Fault) passivity_.rebase();
   in.energyFault = passivity_.failed();
 
-  const Wrench wanted = passivity_.dissipate(coupledWrench(out.device), out.device,
-                                             settings_.period, kMaxControllerDamping);
+  Wrench coupled = coupledWrench(out.device);
+  const double scale = contactScale();
+  for (int i = 0; i < 3; ++i) {
+    coupled.force[i] *= scale;
+    coupled.torque[i] *= scale;
+  }
+  const Wrench wanted = scale > 0.0 ? passivity_.dissipate(coupled, out.device, settings_.period,
+                                                           kMaxControllerDamping)
+                                    : coupled;
   const Wrench allowed = safety_.apply(wanted, in);
   out.wrench = safety_.reduce(passivity_.passiveFraction(allowed, out.device, settings_.period));
   passivity_.commit(out.wrench);

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
 #include "core/base/latest_value.h"
 #include "core/haptics/device.h"
@@ -62,6 +63,7 @@ class ServoLoop {
 
  private:
   [[nodiscard]] DeviceSample readDevice() noexcept;
+  [[nodiscard]] double contactScale() noexcept;
   [[nodiscard]] Wrench coupledWrench(const DeviceSample& device) const noexcept;
 
   HapticDevice& device_;
@@ -73,6 +75,7 @@ class ServoLoop {
   LatestValue<DeviceSample> device_samples_;
   PlainPose lastGood_;  ///< Of the device, in W.
   std::uint64_t tick_ = 0;
+  std::uint32_t freeTicks_ = std::numeric_limits<std::uint32_t>::max() / 2;  ///< since a contact
   std::uint32_t ticksSinceNews_ = 0;
   std::atomic<bool> enabled_{false}, forceOff_{false}, clearFault_{false};
   static_assert(std::atomic<bool>::is_always_lock_free);

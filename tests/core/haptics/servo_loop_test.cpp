@@ -34,6 +34,14 @@ ToolState toolAt(std::uint64_t step, std::uint64_t due, const Eigen::Vector3d& p
   return t;
 }
 
+/// The same with the tool on the anatomy: only then a force leaves the program.
+ToolState touchingAt(std::uint64_t step, std::uint64_t due, const Eigen::Vector3d& p,
+                     const Eigen::Vector3d& v = Eigen::Vector3d::Zero()) {
+  ToolState t = toolAt(step, due, p, v);
+  t.contacts = 1;
+  return t;
+}
+
 ServoSettings plainSettings() {
   ServoSettings s;
   s.gains = {500.0, 0.0, 0.0, 0.0};
@@ -64,7 +72,7 @@ TEST(ServoLoop, MapsThePoseToTheWorldAndTheForceBack) {
   ServoLoop servo(device, settings);
   const Eigen::Vector3d p_W = settings.X_WD * Eigen::Vector3d(0.01, 0.02, 0.03);
   arm(servo, p_W + Eigen::Vector3d(0.0001, 0, 0));  // pulled along +x of W: -y of D
-  servo.publishTool(toolAt(2000, 2000, p_W + Eigen::Vector3d(0.0001, 0, 0)));
+  servo.publishTool(touchingAt(2000, 2000, p_W + Eigen::Vector3d(0.0001, 0, 0)));
   const ServoSample s = servo.tick();
   EXPECT_LT((position(s.device.pose) - p_W).norm(), 1e-15);
   EXPECT_NEAR(s.wrench.force[0], 0.05, 1e-9);
@@ -78,11 +86,31 @@ TEST(ServoLoop, ExtrapolatesTheToolToThePresentTick) {
   settings.declaredStepTicks = 10;
   ServoLoop servo(device, settings);
   const std::uint64_t now = arm(servo, Eigen::Vector3d::Zero());
-  servo.publishTool(toolAt(5000, now, {0, 0, 0}, {0.01, 0, 0}));
+  servo.publishTool(touchingAt(5000, now, {0, 0, 0}, {0.01, 0, 0}));
   for (int i = 0; i < 10; ++i) {
     const ServoSample s = servo.tick();
     EXPECT_NEAR(s.wrench.force[0], 500.0 * 0.01 * 1e-3 * i, 1e-9) << i;
   }
+}
+
+TEST(ServoLoop, FreeSpaceIsWithoutForceAndAContactIsLetGoOverTwentyTicks) {
+  ScriptedDevice device;
+  ServoLoop servo(device, plainSettings());
+  std::uint64_t now = arm(servo, {0.001, 0, 0});
+  EXPECT_EQ(device.got.force[0], 0.0) << "a tool that lags in free space is no drag";
+  for (int i = 0; i < 50; ++i, ++now) {
+    device.next.pose.p[0] -= 1e-5;  // pressed in, so that the energy balance allows the force
+    servo.publishTool(touchingAt(5000 + now, now, {0.001, 0, 0}));
+    (void)servo.tick();
+  }
+  const double held = device.got.force[0];
+  EXPECT_GT(held, 0.05);
+  for (int i = 1; i <= 20; ++i, ++now) {
+    servo.publishTool(toolAt(6000 + now, now, {0.001, 0, 0}));
+    (void)servo.tick();
+    EXPECT_LT(device.got.force[0], i < 20 ? 1.0 : 1e-12) << i;
+  }
+  EXPECT_EQ(device.got.force[0], 0.0);
 }
 
 TEST(ServoLoop, NumbersThatAreNoPoseGiveZeroForceTheLastGoodPoseAndAFault) {
@@ -133,7 +161,8 @@ TEST(ServoLoop, AToolStateThatIsNotFiniteIsAnInvalidWrench) {
 TEST(ServoLoop, ASilentSimulationFadesTheForceWithinItsTicks) {
   ScriptedDevice device;
   ServoLoop servo(device, plainSettings());
-  arm(servo, Eigen::Vector3d(0.001, 0, 0));
+  const std::uint64_t now = arm(servo, Eigen::Vector3d(0.001, 0, 0));
+  servo.publishTool(touchingAt(5000, now, {0.001, 0, 0}));
   int nonZero = 0;
   for (int i = 0; i < 100; ++i) {
     (void)servo.tick();
