@@ -268,7 +268,10 @@ void Desktop::carryOutOne(const ui::Action& action) {
           [this](const act::ImportRepaired& a) { importRepaired(a.yes); },
           [this](const act::MeasureAccuracy&) { measureAccuracy(); },
           [this](const act::ChooseHand& a) { simulation_.setHand(a.hand); },
-          [this](const act::Latch& a) { model_.simulate.latch = a.on; },
+          [this](const act::Latch& a) {
+            model_.simulate.latch = a.on;
+            if (!a.on) simulation_.arm(false);
+          },
           [this](const act::StartStop&) { startStop(); },
           [this](const act::Record&) { record(); },
           [this](const act::ResetTool&) {

@@ -117,10 +117,13 @@ void drawSafety(const Painter& paint, const Model& model, bool& spaceHolds) {
         paint.actions.push_back(act::ClearFault{});
       }
     } else {
+      const bool mouseHolds = s->safety == SafetyState::Disarmed && !simulate.latch &&
+                              simulate.hand == HandKind::Mouse && !simulate.hardware;
       notice(paint,
              s->safety == SafetyState::Armed ? MessageModel::Kind::Information
                                              : MessageModel::Kind::Warning,
-             describe(s->safety));
+             mouseHolds ? "Force is off. Take the instrument, then hold A or the left mouse button."
+                        : describe(s->safety));
     }
   } else {
     sentence(paint, "Start the simulation, then arm: no force leaves the program before.");
@@ -130,7 +133,7 @@ void drawSafety(const Painter& paint, const Model& model, bool& spaceHolds) {
     return;
   }
   bool latch = simulate.latch;
-  if (toggle(paint, "Arming stays on", latch, !simulate.running && !simulate.hardware)) {
+  if (toggle(paint, "Arming stays on", latch, !simulate.hardware)) {
     paint.actions.push_back(act::Latch{latch});
   }
   if (simulate.latch) {

@@ -64,7 +64,7 @@ bool interactWithScene(Camera& camera, const Rect& area, bool holding, Actions& 
     const bool over =
         area.contains(io.MousePos.x, io.MousePos.y) &&
         area.contains(io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y);
-    if (ImGui::IsItemActive() && ImGui::IsMouseDown(0)) {
+    if (ImGui::IsItemActive() && ImGui::IsMouseDown(2)) {
       const double turn = 3.2 / std::max(1.0, height);
       camera.orbit(dx * turn, -dy * turn);
       return false;

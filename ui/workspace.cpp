@@ -105,15 +105,19 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       actions.push_back(act::Grab{!model.simulate.grabbed});
     } else if (key == "f" && model.snapshot != nullptr) {
       centreOn(position(model.snapshot->tool));
+    } else if (key == "a" && model.simulate.latch && model.simulate.running) {
+      actions.push_back(act::Arm{!model.simulate.armed});
     } else if (key == "v") {
       state_.volumeRendering = !state_.volumeRendering;
     } else if (key == "?") {
       help_ = !help_;
     }
   }
-  const bool arm = window.keyHeld("a") && !ImGui::GetIO().WantTextInput && !model.simulate.latch;
-  if (arm != armKey_) actions.push_back(act::Arm{arm});
-  armKey_ = arm;
+  // Held: the key, or the left button of the mouse that holds the instrument (seen last frame).
+  const bool key = window.keyHeld("a") && !ImGui::GetIO().WantTextInput;
+  const bool arm = (key || gripped_) && !model.simulate.latch;
+  if (arm != armHeld_) actions.push_back(act::Arm{arm});
+  armHeld_ = arm;
 }
 
 PlacedMesh Workspace::placedTool(const Model& model) const {
@@ -234,6 +238,7 @@ void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& m
   if (interactWithScene(state_.camera, area, holding, paint.actions)) {
     fill(state_.filled ? std::nullopt : std::optional(View::Scene));
   }
+  gripped_ = holding && ImGui::IsItemActive() && ImGui::IsMouseDown(0);
   scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
   if (holding) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
@@ -253,7 +258,7 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
   }
   // Slices follow the tip only while the mouse or the demo moves it, and not in between steps.
   if (model.snapshot != nullptr && state_.followTool && model.snapshot->step != followedStep_ &&
-      !ImGui::IsMouseDown(0)) {
+      (gripped_ || !ImGui::IsMouseDown(0))) {
     followedStep_ = model.snapshot->step;
     state_.crosshair_P = position(model.snapshot->tool);
   }

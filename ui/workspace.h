@@ -76,7 +76,7 @@ class Workspace {
   SegmentPanelState segment_;
   TriangleMesh instrument_;
   Camera startCamera_;
-  bool spaceHolds_ = false, armKey_ = false, help_ = false;
+  bool spaceHolds_ = false, armHeld_ = false, gripped_ = false, help_ = false;
   std::string modality_;
   std::uint64_t followedStep_ = 0;
   std::map<std::string, Rect> items_;
