@@ -1,5 +1,6 @@
 #pragma once
-/// The peers that look up a dense float field, and the scalar reference.
+/// The peers that look up a dense float field, and the scalar reference. All but the reference need
+/// cubic voxels.
 
 #include <Eigen/Core>
 #include <memory>
@@ -22,9 +23,9 @@ namespace palpate::bench {
 /// one batch, each looks up the field at its centre and lives when that is not above its radius.
 [[nodiscard]] std::unique_ptr<Peer> makeRival(const DenseField& field, const ProbeTree& probe);
 
-/// The same with every trick that helped it: nodes read one nearest sample instead of eight,
-/// leaves run in two passes (addresses, then values) in blocks that stay in the first cache,
-/// normals are taken of packed contacts only.
+/// The same with every trick of ours that helped it: nodes read one nearest sample before they read
+/// eight, points lie leaf by leaf, leaves run in passes (cells, values by scalar loads, arithmetic)
+/// over blocks that stay in the first cache, normals are taken of packed contacts only.
 [[nodiscard]] std::unique_ptr<Peer> makeTunedRival(const DenseField& field, const ProbeTree& probe);
 
 }  // namespace palpate::bench

@@ -2,6 +2,7 @@
 /// A pose in voxels, as single precision numbers for the SIMD peers.
 
 #include <Eigen/Geometry>
+#include <array>
 
 namespace palpate::bench {
 
@@ -9,13 +10,14 @@ namespace palpate::bench {
 struct FieldPose {
   float m[3][3];
   float t[3];
-  float perVoxel;  ///< 1 / spacing: radii to voxels
+  float perUnit;  ///< radii to the field's unit of length
 
-  FieldPose(const Eigen::Isometry3d& X_VT, double spacing)
-      : perVoxel(static_cast<float>(1.0 / spacing)) {
+  FieldPose(const Eigen::Isometry3d& X_VT, const std::array<double, 3>& spacing, double unit)
+      : perUnit(static_cast<float>(1.0 / unit)) {
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) m[a][b] = static_cast<float>(X_VT(a, b) / spacing);
-      t[a] = static_cast<float>(X_VT(a, 3) / spacing);
+      const double step = spacing[static_cast<std::size_t>(a)];
+      for (int b = 0; b < 3; ++b) m[a][b] = static_cast<float>(X_VT(a, b) / step);
+      t[a] = static_cast<float>(X_VT(a, 3) / step);
     }
   }
 };

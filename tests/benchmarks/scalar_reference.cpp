@@ -26,7 +26,7 @@ class ScalarReference : public Peer {
     std::int32_t cell[3];
     double f[3];
     for (std::size_t a = 0; a < 3; ++a) {
-      const double u = p_V[static_cast<Eigen::Index>(a)] / field_.spacing;
+      const double u = p_V[static_cast<Eigen::Index>(a)] / field_.spacing[a];
       const std::int32_t last = field_.dims[a] - 1;
       if (!(u >= 0.0 && u <= last)) return;
       cell[a] = std::min(static_cast<std::int32_t>(u), last - 1);
@@ -51,6 +51,7 @@ class ScalarReference : public Peer {
                mix(v[1][0][1] - v[1][0][0], v[1][1][1] - v[1][1][0], f[1]), f[2]);
     g[1] = mix(row[0][1] - row[0][0], row[1][1] - row[1][0], f[2]);
     g[2] = mix(row[1][0] - row[0][0], row[1][1] - row[0][1], f[1]);
+    for (std::size_t a = 0; a < 3; ++a) g[a] *= field_.unit / field_.spacing[a];
     const double length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const bool any = length > 1e-9;
     out.index[out.count] = static_cast<std::uint32_t>(i);

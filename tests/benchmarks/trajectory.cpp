@@ -1,5 +1,6 @@
 #include "tests/benchmarks/trajectory.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -87,6 +88,42 @@ Trajectory makeTrajectory(const std::string& name, double press, std::size_t ste
     } else if (name == "away") {
       result.X_VT.push_back(onFace(10e-3 * std::sin(6 * t), 0, -0.03, 0.3, 6 * t, 0));
     }
+  }
+  return result;
+}
+
+Trajectory slideAround(const DenseField& field, double press, std::size_t steps) {
+  Trajectory result{"slide", {}};
+  const Eigen::Vector3d box = Eigen::Vector3d(field.spacing[0] * (field.dims[0] - 1),
+                                              field.spacing[1] * (field.dims[1] - 1),
+                                              field.spacing[2] * (field.dims[2] - 1));
+  const auto distance = [&](const Eigen::Vector3d& p) {  // to the surface, from the nearest sample
+    std::int32_t at[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto i = static_cast<Eigen::Index>(a);
+      at[a] = std::clamp(static_cast<std::int32_t>(std::lround(p[i] / field.spacing[a])), 0,
+                         field.dims[a] - 1);
+    }
+    return field.at(at[0], at[1], at[2]) * field.unit;
+  };
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(steps);
+    const double phi = 2 * kPi * t;
+    const double theta = kPi / 2 + 0.5 * std::sin(3 * phi);
+    const Eigen::Vector3d out(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                              std::cos(theta));
+    double reach = 0.5 * box.norm();
+    for (int k = 0; k < 400 && reach > 0; ++k) {
+      const double gap = distance(0.5 * box + reach * out) - (kBurrRadius - press);
+      if (gap < 0.25 * field.unit) break;
+      reach -= std::max(0.5 * gap, 0.1 * field.unit);
+    }
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.linear() = (Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), out) *
+                  Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()))
+                     .toRotationMatrix();
+    X.translation() = 0.5 * box + reach * out;
+    result.X_VT.push_back(X);
   }
   return result;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/benchmarks/dense_field.h"
+
 namespace palpate::bench {
 
 struct Trajectory {
@@ -22,6 +24,10 @@ struct Trajectory {
 /// Same arguments, same poses. An unknown name gives an empty trajectory.
 [[nodiscard]] Trajectory makeTrajectory(const std::string& name, double press, std::size_t steps,
                                         std::uint64_t seed);
+
+/// Sliding over any world: the burr follows the surface around the grid's centre, met from outside
+/// and sunk in by `press` metres; the shaft leans 0.5 rad from the way out.
+[[nodiscard]] Trajectory slideAround(const DenseField& field, double press, std::size_t steps);
 
 /// The depth at which a shell of so many points has the contacts of the table that is compared
 /// with: sliding 100/300/1000 for 1k/10k/100k points, up to a tenth of the points approaching.

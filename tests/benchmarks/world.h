@@ -12,8 +12,10 @@ namespace palpate::bench {
 inline constexpr double kWorldSize = 0.1;  ///< Edge of the synthetic world, metres.
 
 /// Synthetic bone in a cube of n³ voxels and 100 mm: a rounded box, turned against the axes, with
-/// a cortical shell of 3 mm around a gyroid core; about a tenth is solid.
+/// a cortical shell of 2.6 mm around a gyroid core; about a tenth is solid.
 [[nodiscard]] LabelGrid syntheticBone(int n);
+/// The same bone in n x ny x nz voxels of different spacings.
+[[nodiscard]] LabelGrid syntheticBone(int nx, int ny, int nz);
 
 /// The frame of the box: its centre, and axes along its edges; the upper face is at +z.
 [[nodiscard]] Eigen::Isometry3d boneFrame();
