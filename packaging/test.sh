@@ -1,9 +1,10 @@
 #!/bin/bash
 # Every check, from a fresh Debian 12: set-up, format, includes, build, lint, sanitizers, tests.
 #
-#   packaging/test.sh              everything; CTest's summary closes the output
+#   packaging/test.sh              everything but asan; CTest's summary closes the output
 #   packaging/test.sh STAGE...     only these: setup format includes build lint tsan asan test
 #
+# asan (address and undefined-behaviour sanitizers, about ten minutes more) runs on request.
 # Tests labelled 'long' (full stability, soak, fuzzing, benchmarks) run on request:
 #   ctest --test-dir build/release -L long
 set -uo pipefail
@@ -73,7 +74,7 @@ stage_test() {
 }
 
 stages=("$@")
-[ $# -gt 0 ] || stages=(setup format includes build lint tsan asan test)
+[ $# -gt 0 ] || stages=(setup format includes build lint tsan test)
 for name in "${stages[@]}"; do
   if ! declare -F "stage_$name" >/dev/null; then
     printf "test: unknown stage '%s'; the stages are setup format includes build lint tsan asan test.\n" "$name" >&2
