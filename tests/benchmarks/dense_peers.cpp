@@ -11,6 +11,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "tests/benchmarks/pack-inl.h"
+
 #ifndef PALPATE_BENCH_DENSE_PEERS_ONCE
 #define PALPATE_BENCH_DENSE_PEERS_ONCE
 namespace palpate::bench {
@@ -141,11 +143,6 @@ HWY_INLINE Sample sample(const Corners& c, const Lane3& f) {
           mix(hn::Sub(r01, r00), hn::Sub(r11, r10), f.z), hn::Sub(s1, s0)};
 }
 
-template <class V>
-HWY_INLINE void pack(V v, hn::Mask<DF> mask, float* to) {
-  hn::StoreU(hn::Compress(v, mask), DF(), to);
-}
-
 HWY_INLINE void emit(const Sample& s, hn::Mask<DF> mask, const std::uint32_t* index,
                      ContactList& out) {
   const DF d;
@@ -154,13 +151,13 @@ HWY_INLINE void emit(const Sample& s, hn::Mask<DF> mask, const std::uint32_t* in
       hn::Add(hn::Add(hn::Mul(s.gx, s.gx), hn::Mul(s.gy, s.gy)), hn::Mul(s.gz, s.gz));
   const VF scale = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Max(length2, hn::Set(d, 1e-30f))));
   const std::size_t n = out.count;
-  const hn::Mask<decltype(du)> mu = hn::RebindMask(du, mask);
-  hn::StoreU(hn::Compress(hn::LoadU(du, index), mu), du, &out.index[n]);
-  pack(hn::Neg(s.value), mask, &out.depth[n]);
-  pack(hn::Mul(s.gx, scale), mask, &out.nx[n]);
-  pack(hn::Mul(s.gy, scale), mask, &out.ny[n]);
-  pack(hn::Mul(s.gz, scale), mask, &out.nz[n]);
-  out.count = n + hn::CountTrue(d, mask);
+  const Packer<DF> packer(mask);
+  packer.store(hn::LoadU(du, index), &out.index[n]);
+  packer.store(hn::Neg(s.value), &out.depth[n]);
+  packer.store(hn::Mul(s.gx, scale), &out.nx[n]);
+  packer.store(hn::Mul(s.gy, scale), &out.ny[n]);
+  packer.store(hn::Mul(s.gz, scale), &out.nz[n]);
+  out.count = n + packer.count();
 }
 
 // Sixteen points from `rank` on.
@@ -223,8 +220,9 @@ HWY_INLINE std::size_t testSpheres(const Field& field, const Pose& pose, const f
       live = hn::And(live, hn::Le(interpolate(corners(field, cell.at), cell.f), r));
     }
     const auto id = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(at)));
-    hn::StoreU(hn::Compress(id, hn::RebindMask(du, live)), du, out + count);
-    count += hn::CountTrue(d, live);
+    const Packer<DF> packer(live);
+    packer.store(id, out + count);
+    count += packer.count();
   }
   return count;
 }
@@ -329,13 +327,13 @@ HWY_INLINE void evaluate(const LeafPoints& leaf, const Block& block, std::size_t
     const auto hit = hn::Lt(s.value, hn::Load(d, block.limit + slot + l));
     if (hn::AllFalse(d, hit)) continue;
     const std::size_t n = out.count;
-    const auto mu = hn::RebindMask(du, hit);
-    hn::StoreU(hn::Compress(hn::Load(du, leaf.index + l), mu), du, &out.index[n]);
-    pack(hn::Neg(s.value), hit, &out.depth[n]);
-    pack(s.gx, hit, &out.nx[n]);
-    pack(s.gy, hit, &out.ny[n]);
-    pack(s.gz, hit, &out.nz[n]);
-    out.count = n + hn::CountTrue(d, hit);
+    const Packer<DF> packer(hit);
+    packer.store(hn::Load(du, leaf.index + l), &out.index[n]);
+    packer.store(hn::Neg(s.value), &out.depth[n]);
+    packer.store(s.gx, &out.nx[n]);
+    packer.store(s.gy, &out.ny[n]);
+    packer.store(s.gz, &out.nz[n]);
+    out.count = n + packer.count();
   }
 }
 

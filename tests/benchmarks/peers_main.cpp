@@ -34,7 +34,7 @@ struct Options {
   double press_mm = 0;
   std::uint64_t seed = 1;
   bool check = false, scalar = false, dense = false, wide = false, own = false, paper = false;
-  bool bits = false, unequal = false;
+  bool bits = false, unequal = false, avx2 = false;
   std::string csv;
 };
 
@@ -162,6 +162,7 @@ int runPeers(int argc, char** argv) {
   app.add_flag("--dense", options.dense, "also the dense field with SIMD for every point");
   app.add_flag("--bits", options.bits,
                "compare the prototype with itself, bit by bit, at every width");
+  app.add_flag("--avx2", options.avx2, "nothing wider than AVX2");
   app.add_flag("--unequal", options.unequal, "spacings 1 : 1.25 : 2; no rivals");
   app.add_flag("--own", options.own, "also the finder of core/collision");
   app.add_flag("--paper", options.paper, "also its paper method");
@@ -171,6 +172,10 @@ int runPeers(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (options.avx2) {
+    hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & ~(HWY_AVX3 | HWY_AVX3_DL));
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   }
   std::printf("%s, %s, %s, commit %s\n", processorName().c_str(), simdName().c_str(),
               buildName().c_str(), commitName().c_str());

@@ -12,6 +12,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "tests/benchmarks/pack-inl.h"
+
 #ifndef PALPATE_BENCH_FAST_QUERY_ONCE
 #define PALPATE_BENCH_FAST_QUERY_ONCE
 namespace palpate::bench {
@@ -58,6 +60,7 @@ struct Frame {
         words(reinterpret_cast<const std::int32_t*>(w.words.data())),
         fine(reinterpret_cast<const std::int32_t*>(w.fine.data())),
         codes(w.codes.data()),
+        pairs(w.pairs.data()),
         topNode(w.topNode.data()),
         brickStart(w.brickStart.data()),
         topRow(w.topRow),
@@ -104,6 +107,7 @@ struct Frame {
   const std::int32_t* words;
   const std::int32_t* fine;
   const std::uint8_t* codes;
+  const std::int32_t* pairs;
   const std::uint32_t* topNode;
   const std::uint32_t* brickStart;
   std::int32_t topRow, topSlice;
@@ -182,8 +186,9 @@ HWY_INLINE std::size_t testSpheres(const Frame& frame, const SphereBlock& block,
     const VF clear = hn::Max(clearance(frame, c), hn::Zero(d));
     live = hn::Le(hn::Add(away2, hn::Mul(clear, clear)), r2);
     const VU id = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(at)));
-    hn::StoreU(hn::Compress(id, hn::RebindMask(du, live)), du, out + count);
-    count += hn::CountTrue(d, live);
+    const Packer<DF> packer(live);
+    packer.store(id, out + count);
+    count += packer.count();
   }
   return count;
 }
@@ -220,10 +225,13 @@ struct alignas(64) Block {
   std::uint32_t sample[kBlock * 16];  // in the brick
   std::int32_t wx[kBlock * 16];       // 16384 (1 - fx) | 16384 fx << 16
   float fy[kBlock * 16], fz[kBlock * 16], limit[kBlock * 16];
-  std::uint8_t raw[kBlock * 16][32];  // from the cell's lower corner to its upper one
-  // Of worlds with wide bricks: the same 32 bytes of the next brick, and which points need them.
-  std::uint8_t high[kBlock * 16][32];
-  std::uint32_t wide[kBlock * 16];
+#if HWY_TARGET == HWY_AVX3_DL
+  std::uint32_t wide[kBlock * 16];     // all ones for points in wide bricks
+  std::uint8_t raw[kBlock * 16][32];   // from the cell's lower corner to its upper one
+  std::uint8_t high[kBlock * 16][32];  // of wide bricks: the same of the next brick
+#else
+  std::int32_t depths[4][kBlock * 16];  // two a row
+#endif
 };
 
 HWY_INLINE void address(const Frame& frame, const LeafPoints& leaf, std::size_t slot,
@@ -254,6 +262,9 @@ HWY_INLINE void address(const Frame& frame, const LeafPoints& leaf, std::size_t 
 }
 
 // Gathers of the vector unit are no faster than this on any machine we measured.
+// A point's cell in its brick: rows at these bytes, two codes each.
+inline constexpr std::size_t kRow[4] = {0, 5, 25, 30};
+
 template <bool kAnyWide>
 HWY_INLINE void fetch(const Frame& frame, std::size_t count, Block& block) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -261,12 +272,29 @@ HWY_INLINE void fetch(const Frame& frame, std::size_t count, Block& block) {
     const std::uint32_t link = frame.brickStart[node + block.child[i]];
     const std::size_t brick = kAnyWide ? link & ~kWide : link;
     const std::uint8_t* from = frame.codes + brick * kBrickBytes + block.sample[i];
+#if HWY_TARGET == HWY_AVX3_DL
     std::memcpy(block.raw[i], from, 32);
     if constexpr (kAnyWide) {
       const std::size_t wide = link >> 31;
       std::memcpy(block.high[i], from + wide * kBrickBytes, 32);
       block.wide[i] = 0U - static_cast<std::uint32_t>(wide);
     }
+#else
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::uint16_t pair = 0;
+      std::memcpy(&pair, from + kRow[k], 2);
+      block.depths[k][i] = frame.pairs[pair];
+    }
+    if (kAnyWide && link >> 31 != 0) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint8_t* low = from + kRow[k];
+        const std::uint8_t* high = low + kBrickBytes;
+        block.depths[k][i] = static_cast<std::int32_t>(
+            low[0] | static_cast<std::uint32_t>(high[0]) << 8 |
+            static_cast<std::uint32_t>(low[1]) << 16 | static_cast<std::uint32_t>(high[1]) << 24);
+      }
+    }
+#endif
   }
 }
 
@@ -336,28 +364,13 @@ HWY_INLINE VI dot(VI pair, VI weights) {
 }
 #else
 struct Palette {
-  explicit Palette(const FastWorld& w) : palette(w.palette.data()) {}
+  explicit Palette(const FastWorld& /*w*/) {}
   template <bool kAnyWide>
   HWY_INLINE Rows rows(const Block& block, std::size_t at) const {
     const DI di;
-    alignas(64) std::int32_t r[4][16];
-    for (std::size_t l = 0; l < hn::Lanes(di); ++l) {
-      static constexpr std::size_t kByte[4] = {0, 5, 25, 30};
-      const bool wide = kAnyWide && block.wide[at + l] != 0;
-      const auto depth = [&](std::size_t byte) {
-        const std::uint8_t c = block.raw[at + l][byte];
-        return wide ? c | block.high[at + l][byte] << 8 : palette[c];
-      };
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::int32_t a = depth(kByte[k]);
-        const std::int32_t b = depth(kByte[k] + 1);
-        r[k][l] = static_cast<std::int32_t>((static_cast<std::uint32_t>(a) & 0xFFFFU) |
-                                            static_cast<std::uint32_t>(b) << 16);
-      }
-    }
-    return {{hn::Load(di, r[0]), hn::Load(di, r[1]), hn::Load(di, r[2]), hn::Load(di, r[3])}};
+    return {{hn::Load(di, block.depths[0] + at), hn::Load(di, block.depths[1] + at),
+             hn::Load(di, block.depths[2] + at), hn::Load(di, block.depths[3] + at)}};
   }
-  const std::int32_t* palette;
 };
 HWY_INLINE VI dot(VI pair, VI weights) {
   const auto low = [](VI v) HWY_ATTR { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
@@ -365,10 +378,6 @@ HWY_INLINE VI dot(VI pair, VI weights) {
                  hn::Mul(hn::ShiftRight<16>(pair), hn::ShiftRight<16>(weights)));
 }
 #endif
-
-HWY_INLINE void pack(VF v, hn::Mask<DF> mask, float* to) {
-  hn::StoreU(hn::Compress(v, mask), DF(), to);
-}
 
 template <bool kAnyWide>
 HWY_INLINE void evaluate(const Palette& palette, const LeafPoints& leaf, const Block& block,
@@ -399,13 +408,13 @@ HWY_INLINE void evaluate(const Palette& palette, const LeafPoints& leaf, const B
     const VF gy = mix(hn::Sub(r1, r0), hn::Sub(r3, r2), fz);
     const VF gz = hn::Sub(s1, s0);
     const std::size_t n = out.count;
-    hn::StoreU(hn::Compress(hn::Load(du, leaf.index + l), hn::RebindMask(du, hit)), du,
-               &out.index[n]);
-    pack(hn::Mul(value, hn::Set(d, -1.0f / (2048.0f * 16384.0f))), hit, &out.depth[n]);
-    pack(gx, hit, &out.nx[n]);
-    pack(gy, hit, &out.ny[n]);
-    pack(gz, hit, &out.nz[n]);
-    out.count = n + hn::CountTrue(d, hit);
+    const Packer<DF> packer(hit);
+    packer.store(hn::Load(du, leaf.index + l), &out.index[n]);
+    packer.store(hn::Mul(value, hn::Set(d, -1.0f / (2048.0f * 16384.0f))), &out.depth[n]);
+    packer.store(gx, &out.nx[n]);
+    packer.store(gy, &out.ny[n]);
+    packer.store(gz, &out.nz[n]);
+    out.count = n + packer.count();
   }
 }
 

@@ -143,6 +143,12 @@ class Builder {
       world_.low[c] = static_cast<std::uint8_t>(codes_->steps[c] & 255);
       world_.high[c] = static_cast<std::uint8_t>((codes_->steps[c] >> 8) & 255);
     }
+    world_.pairs = HugeBuffer<std::int32_t>(65536);
+    for (std::size_t i = 0; i < 65536; ++i) {
+      const auto low = static_cast<std::uint32_t>(codes_->steps[i & 255]) & 0xFFFFU;
+      const auto high = static_cast<std::uint32_t>(codes_->steps[i >> 8]) << 16;
+      world_.pairs[i] = static_cast<std::int32_t>(low | high);
+    }
     // 4 points of 32 bytes: the codes at z of all, then those at z+1.
     for (std::size_t i = 0; i < 32; ++i) {
       static constexpr std::uint8_t kByte[2][4] = {{0, 1, 5, 6}, {25, 26, 30, 31}};

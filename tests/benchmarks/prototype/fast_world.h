@@ -42,11 +42,13 @@ struct FastWorld {
   std::size_t bricks = 0, wideBricks = 0, nodes = 0;
   alignas(64) std::array<std::int32_t, 256> palette{};      ///< code -> depth in 1/kDepthUnit
   alignas(64) std::array<std::uint8_t, 256> low{}, high{};  ///< the same, by bytes
+  HugeBuffer<std::int32_t>
+      pairs;  ///< two codes -> two depths of 16 bits, for machines without VBMI
   alignas(64) std::array<std::uint8_t, 64> pick{};  ///< which bytes of four points' rows are codes
   double buildMs = 0;
 
   [[nodiscard]] std::size_t bytes() const {
-    return top.size() * 8 + words.size() * 8 + fine.size() * 4 + codes.size();
+    return top.size() * 8 + words.size() * 8 + fine.size() * 4 + pairs.size() * 4 + codes.size();
   }
 };
 
