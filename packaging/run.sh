@@ -49,7 +49,7 @@ prepare_demo() {
   local part
   part=$(mktemp -d "$demo.part-XXXXXX")
   "$program" import "$PALPATE_DEMO_SCAN" --out "$part/case" >&2 &&
-    "$program" segment "$part/case" --preset ct-bone >&2 &&
+    "$program" segment "$part/case" --preset ct-bone --largest >&2 &&
     rm -rf "$demo" && mv "$part/case" "$demo"
   local code=$?
   rm -rf "$part"
