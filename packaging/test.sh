@@ -40,12 +40,12 @@ stage_includes() { python3 packaging/check_includes.py --self-test && python3 pa
 
 stage_build() { build release; }
 
-# clang-tidy over what carries the force and the record: all of core and app takes three times as
+# clang-tidy over what carries the force and the record: all of core and app takes four times as
 # long (packaging/test.sh with LINT='core app').
 stage_lint() {
-  local rooms=(core/base core/geometry core/haptics core/dynamics core/simulation core/session)
-  if [ -n "${LINT:-}" ]; then read -ra rooms <<<"$LINT"; fi
-  find "${rooms[@]}" -name '*.cpp' | LC_ALL=C sort |
+  local folders=(core/base core/geometry core/haptics core/dynamics core/simulation core/session)
+  if [ -n "${LINT:-}" ]; then read -ra folders <<<"$LINT"; fi
+  find "${folders[@]}" -name '*.cpp' | LC_ALL=C sort |
     xargs -P "$jobs" -n 2 clang-tidy -p build/release --quiet --warnings-as-errors='*' 2>/dev/null
 }
 
