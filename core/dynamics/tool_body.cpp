@@ -82,8 +82,7 @@ ContactResponse ToolBody::resolve(ContactResolver& resolver, std::span<const Con
   moving.p_WC = body_.centre();
   moving.twist << body_.velocity(), body_.angularVelocity();
   moving.mobility = mobility_;
-  ContactResponse response =
-      resolver.resolveContacts(moving, contacts_W, materials, settings, h);
+  ContactResponse response = resolver.resolveContacts(moving, contacts_W, materials, settings, h);
   contactWrench_.setZero();
   shift_.setZero();
   if (contacts_W.empty()) return response;
