@@ -34,8 +34,12 @@ is_installed() {
     [ "$(dpkg-query -W -f='${db:Status-Status}\n' "$1:*" 2>/dev/null | head -n 1 || true)" = installed ]
 }
 
+# No 'grep -q' behind a pipe: it stops reading early, and under pipefail the writer's SIGPIPE would
+# now and then turn a yes into a no.
 has_candidate() {
-  apt-cache policy "$1" 2>/dev/null | grep -q 'Candidate: [^(]'
+  local policy
+  policy=$(apt-cache policy "$1" 2>/dev/null) || return 1
+  [[ $policy =~ Candidate:\ [^\(] ]]
 }
 
 missing=()
