@@ -67,6 +67,7 @@ stage_tsan() {
 # Everything that reads files or does arithmetic on indices.
 stage_asan() {
   ASAN_OPTIONS='strict_string_checks=1' UBSAN_OPTIONS='print_stacktrace=1' \
+    LSAN_OPTIONS="suppressions=$root/packaging/lsan.supp" \
     sanitized asan 'base|geometry|voxels|collision|dynamics|scene|session|imaging'
 }
 
