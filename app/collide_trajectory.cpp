@@ -34,13 +34,12 @@ Result<std::vector<CollideStep>> runCollideTrajectory(const VoxelTree& tree,
   const Eigen::Isometry3d X_VP = tree.geometry().X_PV.inverse();
   std::vector<CollideStep> steps(poses.size());
   std::vector<std::vector<double>> times(poses.size());
-  std::vector<Contact> contacts(shell.size());
   for (int repeat = 0; repeat < repeats; ++repeat) {
     ContactFinder finder(tree, shell, options);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (progress.cancelled()) return fail(cancelled());
       const auto start = Clock::now();
-      const QueryResult result = finder.find(X_VP * poses[i].X_WT, contacts);
+      const QueryResult result = finder.findPacked(X_VP * poses[i].X_WT);
       const auto end = Clock::now();
       if (result.status == QueryStatus::BadPose) return fail(tooFar(poses[i].step));
       times[i].push_back(std::chrono::duration<double, std::micro>(end - start).count());
@@ -49,8 +48,9 @@ Result<std::vector<CollideStep>> runCollideTrajectory(const VoxelTree& tree,
       step.step = poses[i].step;
       step.contacts = result.contactCount;
       step.tests = result.tests;
-      for (std::size_t c = 0; c < result.contactCount; ++c) {
-        step.sumDepth_mm += millimetres(contacts[c].depth);
+      const PackedContacts& found = finder.packed();
+      for (std::size_t c = 0; c < found.count; ++c) {
+        step.sumDepth_mm += millimetres(static_cast<double>(found.depth[c]));
       }
     }
     progress(static_cast<double>(repeat + 1) / repeats, "Measuring");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "core/collision/query_work.h"
 
@@ -60,28 +61,17 @@ void resolveCuts(QueryWork& work) noexcept {
   std::sort(begin, end, [](const CutPoint& a, const CutPoint& b) {
     return a.node != b.node ? a.node < b.node : a.shellIndex < b.shellIndex;
   });
-  const LeafTest<Bits> leaf(*work.tree);
+  LeafTest<Bits> leaf(*work.tree, work.memo);
   for (auto cut = begin; cut != end; ++cut) {
     if (cut != begin && cut->node == (cut - 1)->node) continue;
-    double p[3];
-    work.pose.apply(work.shell->x[cut->rank], work.shell->y[cut->rank], work.shell->z[cut->rank],
-                    p);
+    const PlacedPoint point = work.place(cut->rank);
     Item item;
-    if (!leaf.locate(p, item)) continue;
+    if (!leaf.locate(point, item)) continue;
     Contact& contact = work.hits[work.hitCount];
-    leaf.evaluateCut(p, item, cut->node, work.stopLevel, contact);
+    leaf.evaluateCut(point, item, cut->node, work.stopLevel, contact);
     contact.shellIndex = cut->shellIndex;
     contact.body = 0;
     work.hitRank[work.hitCount++] = cut->rank;
-  }
-}
-
-// Marks every hit in `present` and remembers where it is.
-void indexHits(QueryWork& work) noexcept {
-  for (std::size_t i = 0; i < work.hitCount; ++i) {
-    const std::uint32_t index = work.hits[i].shellIndex;
-    work.present[index >> 6] |= std::uint64_t{1} << (index & 63U);
-    work.slotOf[index] = static_cast<std::uint32_t>(i);
   }
 }
 
@@ -129,31 +119,128 @@ void thinToBudget(QueryWork& work) noexcept {
   work.hitCount = kept;
 }
 
-// Ascending shell index, by walking the bits that indexHits set; clears them.
+// Distance leaves, whole: many points at a time.
+bool isFast(const QueryWork& work) noexcept {
+  return work.tree->options.leaf == LeafModel::Distance && !work.tree->options.surfaceOnly &&
+         work.stopLevel == 0 && work.options.method != QueryMethod::Paper;
+}
+
+// What a packed contact is in full.
+template <int Bits>
+void unpack(const QueryWork& work, const LeafTest<Bits>& leaf, std::size_t i,
+            Contact& contact) noexcept {
+  const PackedContacts& packed = work.packed;
+  const std::uint32_t index = packed.index[i];
+  const float normal[3] = {packed.nx[i], packed.ny[i], packed.nz[i]};
+  leaf.fillDistance(work.place(work.rankOf[index]), packed.depth[i], normal, contact);
+  contact.shellIndex = index;
+  contact.body = 0;
+}
+
+template <int Bits>
+void unpackAll(QueryWork& work) noexcept {
+  const LeafTest<Bits> leaf(*work.tree, work.memo);
+  for (std::size_t i = 0; i < work.packed.count; ++i) {
+    unpack<Bits>(work, leaf, i, work.hits[i]);
+    work.hitRank[i] = work.rankOf[work.packed.index[i]];
+  }
+  work.hitCount = work.packed.count;
+  work.packed.count = 0;
+}
+
+void pack(QueryWork& work) noexcept {
+  PackedContacts& packed = work.packed;
+  packed.count = work.hitCount;
+  for (std::size_t i = 0; i < work.hitCount; ++i) {
+    const Contact& c = work.hits[i];
+    packed.index[i] = c.shellIndex;
+    packed.depth[i] = static_cast<float>(c.depth);
+    packed.nx[i] = static_cast<float>(c.n[0]);
+    packed.ny[i] = static_cast<float>(c.n[1]);
+    packed.nz[i] = static_cast<float>(c.n[2]);
+  }
+  work.hitCount = 0;
+}
+
+// Ascending shell index, by walking one bit a point; the bits are left clear. Contacts lie in
+// `packed` or in `hits`, never in both.
+template <int Bits>
 std::size_t writeInOrder(QueryWork& work, std::span<Contact> out) noexcept {
+  const std::size_t packed = work.packed.count;
+  const std::size_t count = packed + work.hitCount;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t index = packed > 0 ? work.packed.index[i] : work.hits[i].shellIndex;
+    work.present[index >> 6] |= std::uint64_t{1} << (index & 63U);
+    work.slotOf[index] = static_cast<std::uint32_t>(i);
+  }
+  const LeafTest<Bits> leaf(*work.tree, work.memo);
   std::size_t written = 0;
-  for (std::size_t w = 0; w < work.present.size(); ++w) {
+  for (std::size_t w = 0; count > 0 && w < work.present.size(); ++w) {
     std::uint64_t bits = work.present[w];
     if (bits == 0) continue;
     work.present[w] = 0;
     for (; bits != 0 && written < out.size(); bits &= bits - 1) {
-      const std::size_t index = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      out[written++] = work.hits[work.slotOf[index]];
+      const std::size_t slot =
+          work.slotOf[w * 64 + static_cast<std::size_t>(std::countr_zero(bits))];
+      if (packed > 0) {
+        unpack<Bits>(work, leaf, slot, out[written++]);
+      } else {
+        out[written++] = work.hits[slot];
+      }
     }
   }
   return written;
 }
 
+// Leaves the contacts in `packed` or in `hits`.
 template <int Bits>
-void collect(QueryWork& work) noexcept {
-  runMethod<Bits>(work);
-  if (work.stopLevel > 0) resolveCuts<Bits>(work);
+QueryStatus collect(QueryWork& work) noexcept {
+  work.hitCount = 0;
+  work.cutCount = 0;
+  work.packed.count = 0;
+  if (isFast(work)) {
+    findFast(work.fast, work.cellPose, work.options.method == QueryMethod::BruteForce, work.packed);
+    work.tests = work.fast.tests;
+  } else {
+    work.tests = 0;
+    runMethod<Bits>(work);
+    if (work.stopLevel > 0) resolveCuts<Bits>(work);
+  }
+  if (work.packed.count + work.hitCount <= work.options.contactBudget) return QueryStatus::Complete;
+  if (work.packed.count > 0) unpackAll<Bits>(work);
+  thinToBudget(work);
+  return QueryStatus::BudgetSpent;
+}
+
+// Calls f for the tree's branching.
+template <class F>
+auto withBits(const VoxelTree::Data& tree, F&& f) noexcept {
+  switch (tree.bits) {
+    case 1:
+      return f(std::integral_constant<int, 1>());
+    case 2:
+      return f(std::integral_constant<int, 2>());
+    default:
+      return f(std::integral_constant<int, 3>());
+  }
 }
 
 }  // namespace
 
 struct ContactFinder::Scratch : QueryWork {
   double shellReach = 0.0;
+  const ShellBlocks* blocks = nullptr;
+
+  [[nodiscard]] bool placeAt(const Eigen::Isometry3d& X_VT) noexcept {
+    if (!isRigidPose(X_VT)) return false;
+    pose = QueryPose::of(X_VT);
+    cellPose = CellPose(X_VT, blocks->middle, blocks->reach, tree->geometry.spacing);
+    slack = slackFor(*tree, shellReach, pose);
+    if (fast.shell != nullptr) {
+      slack += static_cast<double>(cellPose.slack) * tree->geometry.spacing.minCoeff();
+    }
+    return true;
+  }
 };
 
 ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
@@ -162,6 +249,7 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
   Scratch& s = *scratch_;
   s.tree = &tree.data();
   s.shell = &shell.data().hierarchy;
+  s.blocks = &shell.data().blocks;
   s.shellReach = shell.reach();
   s.options = options;
   s.stopLevel = std::clamp(options.stopLevel, 0, s.tree->levels);
@@ -171,8 +259,14 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
   s.slotOf.resize(points);
   s.present.assign((points + 63) / 64, 0);
   s.cuts.resize(points);
+  s.packed = PackedContacts(s.blocks->leaf.size() * 16);
+  if (s.tree->options.leaf == LeafModel::Distance) {
+    s.fast.prepare(s.tree->depth, s.tree->extent, *s.blocks, s.tree->geometry.spacing.minCoeff());
+    s.rankOf.resize(points);
+    for (std::uint32_t rank = 0; rank < points; ++rank) s.rankOf[s.shell->order[rank]] = rank;
+  }
   const std::size_t groups = s.shell->level[0].size();
-  if (options.method == QueryMethod::Hierarchy) {
+  if (options.method == QueryMethod::Hierarchy && !isFast(s)) {
     s.frontier.resize(groups + ShellHierarchy::kArity);
     s.nextFrontier.resize(groups + ShellHierarchy::kArity);
   }
@@ -188,39 +282,38 @@ ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder::~ContactFinder() = default;
 
 QueryResult ContactFinder::find(const Eigen::Isometry3d& X_VT, std::span<Contact> out) noexcept {
+  Scratch& s = *scratch_;
   QueryResult result;
-  if (!isRigidPose(X_VT)) {
+  if (!s.placeAt(X_VT)) {
     result.status = QueryStatus::BadPose;
     return result;
   }
-  Scratch& s = *scratch_;
-  s.pose = QueryPose::of(X_VT);
-  s.slack = slackFor(*s.tree, s.shellReach, s.pose);
-  s.tests = 0;
-  s.hitCount = 0;
-  s.cutCount = 0;
-  switch (s.tree->bits) {
-    case 1:
-      collect<1>(s);
-      break;
-    case 2:
-      collect<2>(s);
-      break;
-    default:
-      collect<3>(s);
-      break;
-  }
-  if (s.hitCount > s.options.contactBudget) {
-    thinToBudget(s);
-    result.status = QueryStatus::BudgetSpent;
-  }
-  if (s.hitCount > out.size()) result.status = QueryStatus::OutputFull;
-  if (s.hitCount > 0) {
-    indexHits(s);
-    result.contactCount = writeInOrder(s, out);
-  }
+  withBits(*s.tree, [&](auto bits) {
+    result.status = collect<bits>(s);
+    if (s.packed.count + s.hitCount > out.size()) result.status = QueryStatus::OutputFull;
+    result.contactCount = writeInOrder<bits>(s, out);
+  });
   result.tests = s.tests;
   return result;
+}
+
+QueryResult ContactFinder::findPacked(const Eigen::Isometry3d& X_VT) noexcept {
+  Scratch& s = *scratch_;
+  QueryResult result;
+  s.packed.count = 0;
+  if (!s.placeAt(X_VT)) {
+    result.status = QueryStatus::BadPose;
+    return result;
+  }
+  withBits(*s.tree, [&](auto bits) { result.status = collect<bits>(s); });
+  if (s.hitCount > 0) pack(s);
+  result.contactCount = s.packed.count;
+  result.tests = s.tests;
+  return result;
+}
+
+const PackedContacts& ContactFinder::packed() const noexcept {
+  return scratch_->packed;
 }
 
 }  // namespace palpate

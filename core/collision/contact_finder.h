@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/collision/contact.h"
+#include "core/collision/packed_contacts.h"
 #include "core/collision/point_shell.h"
 #include "core/voxels/voxel_tree.h"
 
@@ -15,6 +16,7 @@ namespace palpate {
 
 /// `Hierarchy`: a hierarchy over the shell's points against the tree (the default, fast).
 /// `Paper`: both trees descended breadth-first as the paper has it. `BruteForce`: every point.
+/// Distance leaves are read many points at a time by the first and the last of these.
 enum class QueryMethod : std::uint8_t { Hierarchy, Paper, BruteForce };
 
 /// Exact options never change the contact set; stopLevel and budget trade (contacts are flagged).
@@ -52,6 +54,13 @@ class ContactFinder {
   /// bit for bit. Real-time safe: no allocation, lock, exception or log.
   /// @param X_VT  tool pose in the voxel frame: p_V = X_VT * p_T.
   [[nodiscard]] QueryResult find(const Eigen::Isometry3d& X_VT, std::span<Contact> out) noexcept;
+
+  /// The same query, its contacts left side by side in packed() and in the order of the shell's
+  /// hierarchy: what a step costs where nobody needs more than index, depth and normal. Flags are
+  /// not told apart there: depths beyond 16 smallest spacings are saturated.
+  [[nodiscard]] QueryResult findPacked(const Eigen::Isometry3d& X_VT) noexcept;
+  /// Of the last findPacked(); overwritten by the next query.
+  [[nodiscard]] const PackedContacts& packed() const noexcept;
 
  private:
   struct Scratch;

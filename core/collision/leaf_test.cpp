@@ -2,28 +2,45 @@
 
 #include <algorithm>
 
+#include "core/collision/fast_query.h"
+#include "core/voxels/leaf_codes.h"
+#include "core/voxels/outward_normal.h"
+
 namespace palpate {
 namespace {
 
-void setPoint(const double p[3], Contact& c) noexcept {
-  for (int a = 0; a < 3; ++a) c.p[a] = p[a];
+float mix(float a, float b, float t) noexcept {
+  return a + (b - a) * t;
+}
+
+// Largest depth of a contact, metres; deeper it saturates.
+double depthLimit(double unit) noexcept {
+  return kSaturationVoxels * unit;
 }
 
 }  // namespace
 
 template <int Bits>
-bool LeafTest<Bits>::locate(const double p[3], Item& item) const noexcept {
+LeafTest<Bits>::LeafTest(const VoxelTree::Data& tree, VoxelMemo& memo) noexcept
+    : tree_(tree),
+      memo_(memo),
+      unit_(tree.geometry.spacing.minCoeff()),
+      metresPerStep_(metresPerStepOf(tree.depth.palette, unit_)) {
+  for (std::size_t a = 0; a < 3; ++a) edge_[a] = std::sqrt(tree.depth.palette.weight()[a]);
+}
+
+template <int Bits>
+bool LeafTest<Bits>::locate(const PlacedPoint& point, Item& item) const noexcept {
   const bool cells = tree_.options.leaf == LeafModel::Distance;
   for (std::size_t a = 0; a < 3; ++a) {
-    const double u = p[a] / tree_.geometry.spacing[static_cast<Eigen::Index>(a)];
-    const double extent = tree_.extent[a];
     if (cells) {
       // The box of centres is closed: its far faces belong to the last cells.
-      if (!(u >= 0.0 && u <= extent)) return false;
-      item[a] = std::min(static_cast<std::int32_t>(u), tree_.extent[a] - 1);
+      const auto extent = static_cast<float>(tree_.extent[a]);
+      if (!(point.u[a] >= 0.0f && point.u[a] <= extent)) return false;
+      item[a] = std::min(static_cast<std::int32_t>(point.u[a]), tree_.extent[a] - 1);
     } else {
-      const double voxel = u + 0.5;
-      if (!(voxel >= 0.0 && voxel < extent)) return false;
+      const double voxel = point.p[a] / tree_.geometry.spacing[static_cast<Eigen::Index>(a)] + 0.5;
+      if (!(voxel >= 0.0 && voxel < tree_.extent[a])) return false;
       item[a] = static_cast<std::int32_t>(voxel);
     }
   }
@@ -32,156 +49,211 @@ bool LeafTest<Bits>::locate(const double p[3], Item& item) const noexcept {
 
 template <int Bits>
 std::uint32_t LeafTest<Bits>::nodeOf(const Item& item) noexcept {
-  const int shift = Bits * nodeLevel_;
-  const Item key{item[0] >> shift, item[1] >> shift, item[2] >> shift};
+  const Item key{item[0] >> Bits, item[1] >> Bits, item[2] >> Bits};
   if (key != key_) {
     key_ = key;
-    node_ = findNode<Bits>(tree_, item, nodeLevel_);
+    node_ = findNode<Bits>(tree_, item, 1);
   }
   return node_;
 }
 
 template <int Bits>
-bool LeafTest<Bits>::evaluate(const double p[3], Contact& contact) noexcept {
+bool LeafTest<Bits>::evaluate(const PlacedPoint& point, Contact& contact) noexcept {
   Item item;
-  if (!locate(p, item)) return false;
-  return tree_.options.leaf == LeafModel::Distance ? evaluateDistance(p, item, contact)
-                                                   : evaluateVoxel(p, item, contact);
+  if (!locate(point, item)) return false;
+  return tree_.options.leaf == LeafModel::Distance ? evaluateDistance(point, item, contact)
+                                                   : evaluateVoxel(point, item, contact);
 }
 
+// ---- voxel leaves ----
+
+// Code and label of a voxel of the tree; false where it is empty.
 template <int Bits>
-bool LeafTest<Bits>::evaluateVoxel(const double p[3], const Item& item, Contact& c) noexcept {
+bool LeafTest<Bits>::codeOf(const Item& voxel, std::uint16_t& code, std::uint8_t& label) noexcept {
   using Mask = NodeMask<Bits>;
-  const std::uint32_t node = nodeOf(item);
+  const std::uint32_t node = nodeOf(voxel);
   if (node == kNoNode) return false;
   const Mask mask = Mask::load(tree_.level[1].masks.data(), node);
-  const int child = Mask::child(item[0] & Mask::kLow, item[1] & Mask::kLow, item[2] & Mask::kLow);
+  const int child =
+      Mask::child(voxel[0] & Mask::kLow, voxel[1] & Mask::kLow, voxel[2] & Mask::kLow);
   if (!mask.test(child)) return false;
-  planeOfVoxel(p, item,
-               tree_.level[1].firstChild[node] + static_cast<std::uint32_t>(mask.rank(child)), c);
+  const std::uint32_t link = tree_.level[1].firstChild[node];
+  const int rank = mask.rank(child);
+  code = leafCode(tree_.leafBytes, link, rank);
+  label = tree_.depth.uniformLabel;
+  if (label == 0) label = leafLabel(tree_.leafBytes, link, mask.count(), rank);
   return true;
 }
 
 template <int Bits>
-void LeafTest<Bits>::planeOfVoxel(const double p[3], const Item& item, std::uint32_t leaf,
-                                  Contact& c) const noexcept {
-  const Eigen::Vector3d n = decodeNormal(tree_.leafNormal[leaf]);
-  double depth = static_cast<double>(tree_.leafDepth[leaf]);
-  for (int a = 0; a < 3; ++a) {
-    const double centre = item[static_cast<std::size_t>(a)] * tree_.geometry.spacing[a];
-    depth += n[a] * (centre - p[a]);
-    c.n[a] = n[a];
+bool LeafTest<Bits>::evaluateVoxel(const PlacedPoint& point, const Item& item,
+                                   Contact& c) noexcept {
+  std::uint16_t code = 0;
+  std::uint8_t label = 0;
+  if (!codeOf(item, code, label)) return false;
+  planeOfVoxel(point, item, code, label, c);
+  return true;
+}
+
+// The normal from the depths around, or as a surface-only tree stores it.
+template <int Bits>
+void LeafTest<Bits>::remember(const Item& item, std::uint16_t code,
+                              VoxelMemo::Entry& entry) noexcept {
+  const DepthPalette& palette = tree_.depth.palette;
+  Eigen::Vector3d normal;
+  if (tree_.options.surfaceOnly) {
+    using Mask = NodeMask<Bits>;
+    const std::uint32_t node = nodeOf(item);
+    const Mask mask = Mask::load(tree_.level[1].masks.data(), node);
+    const int child = Mask::child(item[0] & Mask::kLow, item[1] & Mask::kLow, item[2] & Mask::kLow);
+    normal = decodeNormal(leafNormal(tree_.leafBytes, tree_.level[1].firstChild[node], mask.count(),
+                                     mask.rank(child), tree_.depth.uniformLabel == 0));
+  } else {
+    normal = outwardNormal(neighbourhoodOf(item, tree_.extent,
+                                           [&](const Item& at) {
+                                             std::uint16_t other = 0;
+                                             std::uint8_t label = 0;
+                                             return codeOf(at, other, label)
+                                                        ? static_cast<double>(palette.value(other))
+                                                        : kEmptyValue;
+                                           }),
+                           tree_.geometry.spacing);
   }
-  setPoint(p, c);
-  c.depth = std::max(0.0, depth);
-  c.label = tree_.leafLabel[leaf];
-  c.flags = 0;
+  for (int a = 0; a < 3; ++a) entry.n[a] = normal[a];
+  entry.depth = -static_cast<double>(palette.value(code)) * unit_;
 }
 
 template <int Bits>
-bool LeafTest<Bits>::evaluateDistance(const double p[3], const Item& item, Contact& c) noexcept {
-  const std::uint32_t brick = nodeOf(item);
-  if (brick == kNoNode) return false;
+void LeafTest<Bits>::planeOfVoxel(const PlacedPoint& point, const Item& item, std::uint16_t code,
+                                  std::uint8_t label, Contact& c) noexcept {
+  const auto nx = static_cast<std::uint64_t>(tree_.extent[0]);
+  const auto ny = static_cast<std::uint64_t>(tree_.extent[1]);
+  const std::uint64_t voxel =
+      (static_cast<std::uint64_t>(item[2]) * ny + static_cast<std::uint64_t>(item[1])) * nx +
+      static_cast<std::uint64_t>(item[0]);
+  VoxelMemo::Entry& entry = memo_.at(voxel);
+  if (entry.voxel != voxel) {
+    remember(item, code, entry);
+    entry.voxel = voxel;
+  }
+  double depth = entry.depth;
+  for (int a = 0; a < 3; ++a) {
+    const double centre = item[static_cast<std::size_t>(a)] * tree_.geometry.spacing[a];
+    depth += entry.n[a] * (centre - point.p[a]);
+    c.n[a] = entry.n[a];
+    c.p[a] = point.p[a];
+  }
+  c.label = label;
+  c.flags = 0;
+  if (code >= tree_.depth.palette.deepestCode()) c.flags |= kContactSaturated;
+  c.depth = std::max(0.0, depth);
+}
+
+// ---- distance leaves: the operations of point_pass-inl.h ----
+
+template <int Bits>
+bool LeafTest<Bits>::evaluateDistance(const PlacedPoint& point, const Item& item,
+                                      Contact& c) noexcept {
   // A brick holds values for all its cells; only in a surface-only tree can one that is absent be
   // inside.
   if (tree_.options.surfaceOnly) {
     using Mask = NodeMask<Bits>;
-    const std::uint32_t node = findNode<Bits>(tree_, item, 1);
+    const std::uint32_t node = nodeOf(item);
     if (node == kNoNode) return false;
     const int child = Mask::child(item[0] & Mask::kLow, item[1] & Mask::kLow, item[2] & Mask::kLow);
     if (!Mask::load(tree_.level[1].masks.data(), node).test(child)) return false;
   }
-  double gradient[3];
-  std::uint8_t label = 0;
-  const double value = interpolate(p, item, brick, gradient, label);
-  if (!(value < 0.0)) return false;
-  fillDistance(p, value, gradient, label, c);
+  float f[3];
+  for (std::size_t a = 0; a < 3; ++a) f[a] = point.u[a] - static_cast<float>(item[a]);
+  const DistanceSample s = interpolate(item, f);
+  if (!(s.value < 0.0f)) return false;
+  const float x = s.gradient[0] * (1.0f / edge_[0]);
+  const float y = s.gradient[1] * (1.0f / edge_[1]);
+  const float z = s.gradient[2] * (1.0f / edge_[2]);
+  const float length2 = x * x + y * y + z * z;
+  const bool some = length2 > 1.0f;
+  const float scale = 1.0f / std::sqrt(some ? length2 : 1.0f);
+  const float normal[3] = {some ? x * scale : 0.0f, some ? y * scale : 0.0f,
+                           some ? z * scale : 1.0f};
+  fillDistance(point, s.value * -metresPerStep_, normal, c);
   return true;
 }
 
 template <int Bits>
-double LeafTest<Bits>::interpolate(const double p[3], const Item& cell, std::uint32_t brick,
-                                   double gradient[3], std::uint8_t& label) const noexcept {
-  const int low = tree_.brickEdge - 1;
-  const auto side = static_cast<std::size_t>(tree_.brickEdge) + 1;
-  double f[3];
-  double g[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double u = p[a] / tree_.geometry.spacing[static_cast<Eigen::Index>(a)];
-    f[a] = std::clamp(u - cell[a], 0.0, 1.0);
-    g[a] = 1.0 - f[a];
+DistanceSample LeafTest<Bits>::interpolate(const Item& cell, const float f[3]) const noexcept {
+  const std::uint32_t link = tree_.depth.linkAt(cell);
+  const int at[3] = {cell[0] & 3, cell[1] & 3, cell[2] & 3};
+  const auto q = static_cast<std::int32_t>(f[0] * static_cast<float>(kFractionOne) + 0.5f);
+  float row[4];
+  float dx[4];
+  for (int k = 0; k < 4; ++k) {
+    const int y = at[1] + (k & 1);
+    const int z = at[2] + (k >> 1);
+    const std::int32_t s0 = tree_.depth.palette.steps(tree_.depth.codeAt(link, at[0], y, z));
+    const std::int32_t s1 = tree_.depth.palette.steps(tree_.depth.codeAt(link, at[0] + 1, y, z));
+    row[k] = static_cast<float>(s0 * (kFractionOne - q) + s1 * q);
+    dx[k] = static_cast<float>(s1 - s0);
   }
-  const std::size_t corner =
-      brick * tree_.brickSize() +
-      (static_cast<std::size_t>(cell[2] & low) * side + static_cast<std::size_t>(cell[1] & low)) *
-          side +
-      static_cast<std::size_t>(cell[0] & low);
-  const std::size_t at[8] = {corner,
-                             corner + 1,
-                             corner + side,
-                             corner + side + 1,
-                             corner + side * side,
-                             corner + side * side + 1,
-                             corner + side * side + side,
-                             corner + side * side + side + 1};
-  double v[8];
-  for (int i = 0; i < 8; ++i) v[i] = static_cast<double>(tree_.brick[at[i]]);
-  // Along x, then y, then z; the differences on the way are the gradient.
-  const double x00 = v[0] * g[0] + v[1] * f[0];
-  const double x10 = v[2] * g[0] + v[3] * f[0];
-  const double x01 = v[4] * g[0] + v[5] * f[0];
-  const double x11 = v[6] * g[0] + v[7] * f[0];
-  const double y0 = x00 * g[1] + x10 * f[1];
-  const double y1 = x01 * g[1] + x11 * f[1];
-  const double value = y0 * g[2] + y1 * f[2];
-  const double dx = ((v[1] - v[0]) * g[1] + (v[3] - v[2]) * f[1]) * g[2] +
-                    ((v[5] - v[4]) * g[1] + (v[7] - v[6]) * f[1]) * f[2];
-  const double dy = (x10 - x00) * g[2] + (x11 - x01) * f[2];
-  gradient[0] = dx / tree_.geometry.spacing.x();
-  gradient[1] = dy / tree_.geometry.spacing.y();
-  gradient[2] = (y1 - y0) / tree_.geometry.spacing.z();
+  const float lower = mix(row[0], row[1], f[1]);
+  const float upper = mix(row[2], row[3], f[1]);
+  DistanceSample s;
+  s.value = mix(lower, upper, f[2]);
+  s.gradient[0] = mix(mix(dx[0], dx[1], f[1]), mix(dx[2], dx[3], f[1]), f[2]) *
+                  static_cast<float>(kFractionOne);
+  s.gradient[1] = mix(row[1] - row[0], row[3] - row[2], f[2]);
+  s.gradient[2] = upper - lower;
+  return s;
+}
 
-  label = tree_.uniformLabel;
-  if (label == 0) {  // of the inside corner nearest in weight; ties to the lower address
-    double best = -1.0;
-    for (int i = 0; i < 8; ++i) {
-      const double weight = ((i & 1) != 0 ? f[0] : g[0]) * ((i & 2) != 0 ? f[1] : g[1]) *
-                            ((i & 4) != 0 ? f[2] : g[2]);
-      if (tree_.brickLabel[at[i]] != 0 && weight > best) {
-        best = weight;
-        label = tree_.brickLabel[at[i]];
-      }
+// Of the inside corner nearest in weight; ties to the lower address.
+template <int Bits>
+std::uint8_t LeafTest<Bits>::labelAt(const PlacedPoint& point) const noexcept {
+  if (tree_.depth.uniformLabel != 0) return tree_.depth.uniformLabel;
+  Item cell;
+  if (!locate(point, cell)) return 0;
+  const std::size_t word = tree_.depth.wordAt(cell);
+  if ((tree_.depth.words[word] & ClearanceWord::kLink) == 0) return 0;
+  float f[3];
+  for (std::size_t a = 0; a < 3; ++a) f[a] = point.u[a] - static_cast<float>(cell[a]);
+  std::uint8_t label = 0;
+  float best = -1.0f;
+  for (int i = 0; i < 8; ++i) {
+    float weight = 1.0f;
+    for (int a = 0; a < 3; ++a) weight *= (i >> a & 1) != 0 ? f[a] : 1.0f - f[a];
+    const std::uint8_t here = tree_.depth.labelOf(
+        word, (cell[0] & 3) + (i & 1), (cell[1] & 3) + (i >> 1 & 1), (cell[2] & 3) + (i >> 2));
+    if (here != 0 && weight > best) {
+      best = weight;
+      label = here;
     }
   }
-  return value;
+  return label;
 }
 
 template <int Bits>
-void LeafTest<Bits>::fillDistance(const double p[3], double value, const double gradient[3],
-                                  std::uint8_t label, Contact& c) const noexcept {
-  setPoint(p, c);
-  const double length =
-      std::sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]);
-  // A distance changes by its own length per length; a gradient this small is a balance of sides
-  // (the very middle of a sheet) and has no direction to normalise.
-  constexpr double kNoDirection = 1e-9;
+void LeafTest<Bits>::fillDistance(const PlacedPoint& point, float depth, const float normal[3],
+                                  Contact& c) const noexcept {
+  const Eigen::Vector3d n = Eigen::Vector3d(normal[0], normal[1], normal[2]).normalized();
   for (int a = 0; a < 3; ++a) {
-    c.n[a] = length > kNoDirection ? gradient[a] / length : (a == 2 ? 1.0 : 0.0);
+    c.p[a] = point.p[a];
+    c.n[a] = n[a];
   }
-  const double limit = kSaturationVoxels * tree_.geometry.spacing.minCoeff();
+  const double limit = depthLimit(unit_);
+  const auto exact = static_cast<double>(depth);
   c.flags = 0;
-  if (-value > limit) c.flags |= kContactSaturated;
-  c.depth = std::clamp(-value, 0.0, limit);
-  c.label = label;
+  if (exact > limit) c.flags |= kContactSaturated;
+  c.depth = std::clamp(exact, 0.0, limit);
+  c.label = labelAt(point);
 }
 
+// ---- where descent was cut ----
+
 template <int Bits>
-void LeafTest<Bits>::evaluateCut(const double p[3], const Item& item, std::uint32_t node, int level,
-                                 Contact& contact) const noexcept {
+void LeafTest<Bits>::evaluateCut(const PlacedPoint& point, const Item& item, std::uint32_t node,
+                                 int level, Contact& contact) noexcept {
   using Mask = NodeMask<Bits>;
   Item lower;  // lowest item of the node
   for (std::size_t a = 0; a < 3; ++a) lower[a] = (item[a] >> (Bits * level)) << (Bits * level);
-  std::uint32_t brick = level == nodeLevel_ ? node : kNoNode;
   for (int l = level; l >= 1; --l) {
     const TreeLevel& at = tree_.level[static_cast<std::size_t>(l)];
     const Mask mask = Mask::load(at.masks.data(), node);
@@ -197,7 +269,8 @@ void LeafTest<Bits>::evaluateCut(const double p[3], const Item& item, std::uint3
       double d2 = 0.0;
       for (std::size_t a = 0; a < 3; ++a) {
         const auto axis = static_cast<Eigen::Index>(a);
-        const double d = tree_.origin[axis] + (at0[a] + half) * tree_.geometry.spacing[axis] - p[a];
+        const double d =
+            tree_.origin[axis] + (at0[a] + half) * tree_.geometry.spacing[axis] - point.p[a];
         d2 += d * d;
       }
       if (d2 < best) {
@@ -207,23 +280,35 @@ void LeafTest<Bits>::evaluateCut(const double p[3], const Item& item, std::uint3
       }
     });
     lower = bestLower;
-    if (l > 1 || !at.firstChild.empty()) {
-      node = at.firstChild[node] + static_cast<std::uint32_t>(mask.rank(nearest));
-    }
-    if (l - 1 == nodeLevel_) brick = node;
+    if (l > 1) node = at.firstChild[node] + static_cast<std::uint32_t>(mask.rank(nearest));
   }
   if (tree_.options.leaf == LeafModel::Voxel) {
-    planeOfVoxel(p, lower, node, contact);
-  } else {
-    if (brick == kNoNode) brick = findNode<Bits>(tree_, lower, nodeLevel_);
-    double gradient[3];
+    std::uint16_t code = 0;
     std::uint8_t label = 0;
-    double value = interpolate(p, lower, brick, gradient, label);
-    for (std::size_t a = 0; a < 3; ++a) {  // from the cell's nearest point on to p
-      const double s = tree_.geometry.spacing[static_cast<Eigen::Index>(a)];
-      value += gradient[a] * (p[a] - std::clamp(p[a], lower[a] * s, (lower[a] + 1) * s));
+    (void)codeOf(lower, code, label);  // the nearest leaf is one of the tree's
+    planeOfVoxel(point, lower, code, label, contact);
+  } else {
+    // From the cell's nearest point on to p along the gradient there.
+    float f[3];
+    float beyond[3];
+    PlacedPoint near = point;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float from = point.u[a] - static_cast<float>(lower[a]);
+      f[a] = std::clamp(from, 0.0f, 1.0f);
+      beyond[a] = from - f[a];
+      near.u[a] = static_cast<float>(lower[a]) + f[a];
     }
-    fillDistance(p, value, gradient, label, contact);
+    const DistanceSample s = interpolate(lower, f);
+    float value = s.value;
+    Eigen::Vector3f slope;
+    for (int a = 0; a < 3; ++a) {
+      value += s.gradient[a] * beyond[a];
+      slope[a] = s.gradient[a] / edge_[a];
+    }
+    const Eigen::Vector3f n =
+        slope.squaredNorm() > 1.0f ? Eigen::Vector3f(slope.normalized()) : Eigen::Vector3f(0, 0, 1);
+    fillDistance(near, std::max(0.0f, value * -metresPerStep_), n.data(), contact);
+    for (int a = 0; a < 3; ++a) contact.p[a] = point.p[a];
   }
   contact.flags |= kContactApproximate;
 }

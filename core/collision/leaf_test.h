@@ -1,15 +1,18 @@
 #pragma once
 /// The leaf model at one point: which item holds it, is it inside, how deep, which way is out.
 ///
-/// Every method of ContactFinder ends here with the same arithmetic, so their contact sets are
-/// equal by construction wherever culling is conservative. Works in V, metres, in double; a point
-/// is located by p / spacing as GridGeometry::voxelAt does it. Nothing allocates.
+/// For points one at a time; fast_query.h does many of distance leaves at once with the same
+/// operations in the same order, so that every method of ContactFinder gives the same bits
+/// wherever culling is conservative. Voxel leaves are located in double as GridGeometry::voxelAt
+/// does it, distance leaves in single precision as CellPose does it. Nothing allocates.
 
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
+#include "core/collision/cell_pose.h"
 #include "core/collision/contact.h"
 #include "core/voxels/voxel_tree_data.h"
 
@@ -35,6 +38,12 @@ struct QueryPose {
 
 using Item = std::array<std::int32_t, 3>;
 
+/// A shell point where the pose puts it.
+struct PlacedPoint {
+  double p[3] = {0, 0, 0};  ///< V, metres.
+  float u[3] = {0, 0, 0};   ///< Cells; distance leaves only.
+};
+
 /// Index of the node of `level` that holds an item of the tree's extent, or kNoNode.
 template <int Bits>
 [[nodiscard]] std::uint32_t findNode(const VoxelTree::Data& tree, const Item& item,
@@ -53,38 +62,70 @@ template <int Bits>
   return node;
 }
 
+/// Depth and unit normal of a voxel, remembered from step to step: a sliding tool meets the same
+/// voxels again and again, and the normal takes 27 look-ups. Never changes a result.
+struct VoxelMemo {
+  static constexpr std::size_t kEntries = 4096;
+  struct Entry {
+    std::uint64_t voxel = ~std::uint64_t{0};
+    double n[3] = {0, 0, 1};
+    double depth = 0;  ///< D, metres.
+  };
+  std::vector<Entry> entry = std::vector<Entry>(kEntries);
+
+  [[nodiscard]] Entry& at(std::uint64_t voxel) noexcept {
+    return entry[voxel * 0x9E3779B97F4A7C15ULL >> 52];
+  }
+  void forget() noexcept {
+    for (Entry& e : entry) e.voxel = ~std::uint64_t{0};
+  }
+};
+
+/// What the bricks say at a point, in the units of the arithmetic.
+struct DistanceSample {
+  float value = 0;                ///< Steps of depth times kFractionOne, > 0 outside.
+  float gradient[3] = {0, 0, 0};  ///< The same a cell.
+};
+
 /// Remembers the last node that it found: points in the order of the hierarchy mostly share it.
 template <int Bits>
 class LeafTest {
  public:
-  explicit LeafTest(const VoxelTree::Data& tree) noexcept
-      : tree_(tree), nodeLevel_(tree.options.leaf == LeafModel::Distance ? tree.brickLevel : 1) {}
+  LeafTest(const VoxelTree::Data& tree, VoxelMemo& memo) noexcept;
 
-  /// The item that holds p_V; false outside the tree's extent (and for what is not finite).
-  [[nodiscard]] bool locate(const double p[3], Item& item) const noexcept;
+  /// The item that holds a point; false outside the tree's extent (and for what is not finite).
+  [[nodiscard]] bool locate(const PlacedPoint& point, Item& item) const noexcept;
 
-  /// True when p_V is in contact; then fills everything of `contact` but shellIndex.
-  [[nodiscard]] bool evaluate(const double p[3], Contact& contact) noexcept;
+  /// True when the point is in contact; then fills everything of `contact` but shellIndex.
+  [[nodiscard]] bool evaluate(const PlacedPoint& point, Contact& contact) noexcept;
 
   /// The contact that stands for a node where descent was cut: the plane through the node's leaf
-  /// nearest to p_V. Depth may be 0. `node` is an index at `level` >= 1, `item` an item in it.
-  void evaluateCut(const double p[3], const Item& item, std::uint32_t node, int level,
-                   Contact& contact) const noexcept;
+  /// nearest to the point. Depth may be 0. `node` is an index at `level` >= 1, `item` an item in
+  /// it.
+  void evaluateCut(const PlacedPoint& point, const Item& item, std::uint32_t node, int level,
+                   Contact& contact) noexcept;
+
+  /// A contact of distance leaves from its depth (metres) and normal as the queries have them.
+  void fillDistance(const PlacedPoint& point, float depth, const float normal[3],
+                    Contact& contact) const noexcept;
 
  private:
   [[nodiscard]] std::uint32_t nodeOf(const Item& item) noexcept;
-  [[nodiscard]] bool evaluateVoxel(const double p[3], const Item& item, Contact& c) noexcept;
-  [[nodiscard]] bool evaluateDistance(const double p[3], const Item& item, Contact& c) noexcept;
-  void planeOfVoxel(const double p[3], const Item& item, std::uint32_t leaf,
-                    Contact& c) const noexcept;
-  /// The trilinear value at p, which lies in (or is drawn to) the cell; the gradient is in V.
-  [[nodiscard]] double interpolate(const double p[3], const Item& cell, std::uint32_t brick,
-                                   double gradient[3], std::uint8_t& label) const noexcept;
-  void fillDistance(const double p[3], double value, const double gradient[3], std::uint8_t label,
-                    Contact& c) const noexcept;
+  [[nodiscard]] bool codeOf(const Item& voxel, std::uint16_t& code, std::uint8_t& label) noexcept;
+  [[nodiscard]] bool evaluateVoxel(const PlacedPoint& point, const Item& item, Contact& c) noexcept;
+  [[nodiscard]] bool evaluateDistance(const PlacedPoint& point, const Item& item,
+                                      Contact& c) noexcept;
+  void planeOfVoxel(const PlacedPoint& point, const Item& item, std::uint16_t code,
+                    std::uint8_t label, Contact& c) noexcept;
+  void remember(const Item& item, std::uint16_t code, VoxelMemo::Entry& entry) noexcept;
+  [[nodiscard]] DistanceSample interpolate(const Item& cell, const float f[3]) const noexcept;
+  [[nodiscard]] std::uint8_t labelAt(const PlacedPoint& point) const noexcept;
 
   const VoxelTree::Data& tree_;
-  int nodeLevel_;
+  VoxelMemo& memo_;
+  double unit_;          // the smallest spacing, metres
+  float metresPerStep_;  // of DistanceSample::value
+  float edge_[3];        // of a cell, smallest spacings
   Item key_{-1, -1, -1};
   std::uint32_t node_ = kNoNode;
 };

@@ -50,6 +50,7 @@ Result<PointShell> PointShell::fromPoints(std::vector<Eigen::Vector3d> points_T,
   for (auto& n : normals_T) n.normalize();
   for (const auto& p : points_T) data->reach = std::max(data->reach, p.norm());
   data->hierarchy = buildShellHierarchy(points_T);
+  data->blocks = buildShellBlocks(data->hierarchy);
   data->points_T = std::move(points_T);
   data->normals_T = std::move(normals_T);
   return PointShell(std::move(data));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/collision/contact_finder.h"
+#include "core/collision/fast_query.h"
 #include "core/collision/leaf_test.h"
 #include "core/collision/shell_hierarchy.h"
 #include "core/voxels/voxel_tree_data.h"
@@ -39,6 +40,7 @@ struct QueryWork {
   int stopLevel = 0;  ///< Of the options, within the tree.
 
   QueryPose pose;
+  CellPose cellPose;
   double slack = 0.0;  ///< Metres added to every radius: more than rounding can err at this pose.
   std::uint32_t tests = 0;
 
@@ -48,40 +50,55 @@ struct QueryWork {
   std::vector<CutPoint> cuts;
   std::size_t cutCount = 0;
 
-  std::vector<std::uint32_t> frontier, nextFrontier;  ///< Hierarchy: nodes of one shell level.
+  std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
   std::vector<NodePair> pairs, nextPairs;             ///< Paper.
-  std::vector<std::uint64_t> present;                 ///< One bit a shell index.
-  std::vector<std::uint32_t> slotOf;                  ///< Shell index -> place in hits.
+  FastWork fast;                                      ///< Distance leaves, many points at a time.
+  PackedContacts packed;
+  std::vector<std::uint32_t> rankOf;  ///< Shell index -> rank; distance leaves.
+  VoxelMemo memo;
+
+  std::vector<std::uint64_t> present;  ///< One bit a shell index.
+  std::vector<std::uint32_t> slotOf;   ///< Shell index -> place in hits or packed.
+
+  [[nodiscard]] PlacedPoint place(std::uint32_t rank) const noexcept {
+    PlacedPoint point;
+    pose.apply(shell->x[rank], shell->y[rank], shell->z[rank], point.p);
+    if (fast.shell != nullptr) {
+      const PointBlock& leaf = fast.shell->leaf[rank / 16];
+      const std::size_t l = rank % 16;
+      for (int a = 0; a < 3; ++a) {
+        point.u[a] = cellPose.apply(a, leaf.x[l], leaf.y[l], leaf.z[l]);
+      }
+    }
+    return point;
+  }
 };
 
 /// Takes candidate points to the leaf test. One per query.
 template <int Bits>
 class PointSink {
  public:
-  explicit PointSink(QueryWork& work) noexcept : work_(work), leaf_(*work.tree) {}
+  explicit PointSink(QueryWork& work) noexcept : work_(work), leaf_(*work.tree, work.memo) {}
 
   void offer(std::uint32_t rank) noexcept {
-    double p[3];
-    work_.pose.apply(work_.shell->x[rank], work_.shell->y[rank], work_.shell->z[rank], p);
+    const PlacedPoint point = work_.place(rank);
     ++work_.tests;
-    if (work_.stopLevel > 0) return offerCut(rank, p);
+    if (work_.stopLevel > 0) return offerCut(rank, point);
     Contact& contact = work_.hits[work_.hitCount];
-    if (!leaf_.evaluate(p, contact)) return;
+    if (!leaf_.evaluate(point, contact)) return;
     contact.shellIndex = work_.shell->order[rank];
     contact.body = 0;
     work_.hitRank[work_.hitCount++] = rank;
   }
   /// The item that holds a point; false outside.
   [[nodiscard]] bool itemOf(std::uint32_t rank, Item& item) const noexcept {
-    double p[3];
-    work_.pose.apply(work_.shell->x[rank], work_.shell->y[rank], work_.shell->z[rank], p);
-    return leaf_.locate(p, item);
+    return leaf_.locate(work_.place(rank), item);
   }
 
  private:
-  void offerCut(std::uint32_t rank, const double p[3]) noexcept {
+  void offerCut(std::uint32_t rank, const PlacedPoint& point) noexcept {
     Item item;
-    if (!leaf_.locate(p, item)) return;
+    if (!leaf_.locate(point, item)) return;
     const std::uint32_t node = findNode<Bits>(*work_.tree, item, work_.stopLevel);
     if (node == kNoNode) return;
     work_.cuts[work_.cutCount++] = {node, work_.shell->order[rank], rank};

@@ -24,7 +24,7 @@ void orderRun(const Points& points, std::span<std::uint32_t> run, std::size_t bl
   (hi - lo).maxCoeff(&axis);
   // Halve by whole blocks, so that blocks are full and follow from their number.
   const std::size_t blocks = (run.size() + block - 1) / block;
-  const std::size_t left = (blocks + 1) / 2 * block;
+  const std::size_t left = blocks / 2 * block;
   std::nth_element(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(left), run.end(),
                    [&](std::uint32_t a, std::uint32_t b) {
                      const double pa = points[a][axis];
@@ -54,8 +54,9 @@ ShellSphere sphereAround(const Points& points, std::span<const std::uint32_t> ru
   };
   Eigen::Vector3d best = centre;
   double bestRadius = (points[farthest(centre)] - centre).norm();
-  constexpr int kRounds = 24;  // radius within a few per cent of the smallest
-  for (int round = 1; round <= kRounds; ++round) {
+  // Within a per cent of the smallest radius; fewer for the few large nodes, which cost most.
+  const int rounds = run.size() <= 256 ? 200 : 40;
+  for (int round = 1; round <= rounds; ++round) {
     centre += (points[farthest(centre)] - centre) / (round + 1.0);
     const double radius = (points[farthest(centre)] - centre).norm();
     if (radius < bestRadius) {

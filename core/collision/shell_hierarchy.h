@@ -1,9 +1,9 @@
 #pragma once
-/// The hierarchy over a shell's points: an eight-ary tree of spheres without a pointer.
+/// The hierarchy over a shell's points: a sixteen-ary tree of spheres without a pointer.
 ///
-/// Points are put into an order in which every run of kGroup·8^j points is compact; such a run is
+/// Points are put into an order in which every run of kGroup·16^j points is compact; such a run is
 /// the node of level j, so a node's points and children follow from its number alone: node i of
-/// level j holds ranks [i·kGroup·8^j, (i+1)·kGroup·8^j), its children are nodes 8i .. 8i+7 of
+/// level j holds ranks [i·kGroup·16^j, (i+1)·kGroup·16^j), its children are nodes 16i .. 16i+15 of
 /// level j−1. Only centres and radii are stored.
 
 #include <Eigen/Core>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/collision/point_shell.h"
+#include "core/collision/shell_blocks.h"
 
 namespace palpate {
 
@@ -23,7 +24,7 @@ struct ShellSphere {
 
 struct ShellHierarchy {
   static constexpr std::size_t kGroup = 16;  ///< Points in a node of level 0.
-  static constexpr std::size_t kArity = 8;
+  static constexpr std::size_t kArity = 16;
 
   std::vector<std::uint32_t> order;             ///< rank -> shell index
   std::vector<double> x, y, z;                  ///< Points by rank, T, metres.
@@ -32,7 +33,7 @@ struct ShellHierarchy {
   [[nodiscard]] std::size_t size() const noexcept { return order.size(); }
   /// Points in one node of a level.
   [[nodiscard]] static std::size_t pointsPerNode(std::size_t level) noexcept {
-    return kGroup << (3 * level);
+    return kGroup << (4 * level);
   }
 };
 
@@ -44,6 +45,7 @@ struct PointShell::Data {
   std::vector<Eigen::Vector3d> points_T, normals_T;
   double reach = 0.0;
   ShellHierarchy hierarchy;
+  ShellBlocks blocks;  ///< The same, side by side.
 };
 
 }  // namespace palpate

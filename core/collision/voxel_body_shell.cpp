@@ -1,7 +1,7 @@
 #include "core/collision/voxel_body_shell.h"
 
 #include "core/voxels/distance_field.h"
-#include "core/voxels/leaf_payload.h"
+#include "core/voxels/outward_normal.h"
 #include "core/voxels/surface_descriptor.h"
 
 namespace palpate {

@@ -1,23 +1,28 @@
 #include "core/voxels/tree_cache.h"
 
 #define XXH_INLINE_ALL
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <memory>
 #include <type_traits>
 #include <vector>
 
 #include "core/base/whole_file.h"
+#include "core/voxels/cache_archive.h"
+#include "core/voxels/leaf_codes.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
 namespace {
 
 // Raise it whenever the arrays or their meaning change.
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'T', 'R', 'E', 'E'};
 
@@ -25,65 +30,9 @@ struct Header {
   char magic[8];
   std::uint32_t version, byteOrder;
   std::uint64_t source, length, checksum;
+  std::uint64_t reserved[3];
 };
-static_assert(sizeof(Header) == 40 && std::is_trivially_copyable_v<Header>);
-
-class Writer {
- public:
-  template <class T>
-  void value(const T& v) {
-    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
-  }
-  template <class T>
-  void array(const std::vector<T>& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    value(static_cast<std::uint64_t>(v.size()));
-    if (!v.empty()) bytes_.append(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T));
-  }
-  [[nodiscard]] std::string& bytes() { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
-// Reads what Writer wrote; every length is checked against what is left before anything is taken.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : rest_(bytes) {}
-
-  template <class T>
-  void value(T& v) {
-    if (rest_.size() < sizeof v) {
-      good_ = false;
-      return;
-    }
-    if constexpr (std::is_same_v<T, bool>) {
-      v = rest_[0] != 0;  // any other byte would not be a bool
-    } else {
-      std::memcpy(&v, rest_.data(), sizeof v);
-    }
-    rest_.remove_prefix(sizeof v);
-  }
-  template <class T>
-  void array(std::vector<T>& v) {
-    std::uint64_t count = 0;
-    value(count);
-    if (!good_ || count > rest_.size() / sizeof(T)) {
-      good_ = false;
-      return;
-    }
-    v.resize(static_cast<std::size_t>(count));
-    if (count != 0) std::memcpy(v.data(), rest_.data(), v.size() * sizeof(T));
-    rest_.remove_prefix(v.size() * sizeof(T));
-  }
-  [[nodiscard]] bool good() const { return good_; }
-  [[nodiscard]] bool atEnd() const { return good_ && rest_.empty(); }
-
- private:
-  std::string_view rest_;
-  bool good_ = true;
-};
+static_assert(sizeof(Header) == 64 && std::is_trivially_copyable_v<Header>);
 
 // One order of fields for both directions; `levels` is sized by the reader before.
 template <class Archive, class Data>
@@ -104,19 +53,27 @@ void fields(Archive& a, Data& d) {
   a.value(d.stats.payloadBytes);
   a.value(d.stats.buildMs);
   a.array(d.stats.nodesPerLevel);
-  a.array(d.leafLabel);
-  a.array(d.leafNormal);
-  a.array(d.leafDepth);
-  a.value(d.brickLevel);
-  a.value(d.brickEdge);
-  a.array(d.brick);
-  a.value(d.uniformLabel);
-  a.array(d.brickLabel);
+  a.array(d.leafBytes);
+  for (auto& n : d.depth.blocks) a.value(n);
+  a.array(d.depth.coarse);
+  a.array(d.depth.firstWord);
+  a.array(d.depth.words);
+  a.array(d.depth.slots);
+  a.value(d.depth.uniformLabel);
+  a.array(d.depth.label);
+  a.array(d.depth.labelBytes);
 }
 
 Error refused(std::string message) {
   return inputRefused(std::move(message))
       .advise("Delete the file; the tree is then built from the labels again.");
+}
+
+// The bytes that a node of level 1 links to.
+bool leavesHold(const VoxelTree::Data& d, std::uint32_t link, std::size_t count) {
+  const std::size_t bytes = leafBytesOf(count, (link & kWideLeaves) != 0, d.depth.uniformLabel == 0,
+                                        d.options.surfaceOnly);
+  return (link & ~kWideLeaves) + bytes <= d.leafBytes.size();
 }
 
 // Masks, links and payload must fit each other, so that no reader can leave an array.
@@ -130,32 +87,55 @@ bool linksHold(const VoxelTree::Data& d) {
     if (l + 1 == d.level.size() && nodes != 1) return false;
     const bool linkless = l == 1 && d.options.leaf == LeafModel::Distance;
     if (at.firstChild.size() != (linkless ? 0 : nodes)) return false;
-    std::size_t next = 0;
+    const std::size_t below = l > 1 ? d.level[l - 1].masks.size() / Mask::kBytes : 0;
     for (std::size_t n = 0; n < nodes; ++n) {
-      const Mask mask = Mask::load(at.masks.data(), n);
-      if (mask.empty() || (!linkless && at.firstChild[n] != next)) return false;
-      next += static_cast<std::size_t>(mask.count());
+      const auto count = static_cast<std::size_t>(Mask::load(at.masks.data(), n).count());
+      if (l > 1 && at.firstChild[n] + count > below) return false;
+      if (l == 1 && !linkless && !leavesHold(d, at.firstChild[n], count)) return false;
     }
-    const std::size_t below =
-        l > 1 ? d.level[l - 1].masks.size() / Mask::kBytes : d.leafLabel.size();
-    if (!linkless && next != below) return false;
+  }
+  return true;
+}
+
+bool bricksHold(const DepthBricks& d, const std::array<std::int32_t, 3>& extent) {
+  std::size_t blocks = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (d.blocks[a] != (extent[a] + DepthBricks::kCoarseEdge - 1) / DepthBricks::kCoarseEdge) {
+      return false;
+    }
+    blocks *= static_cast<std::size_t>(d.blocks[a]);
+  }
+  const std::size_t slots = d.slots.size() / DepthBricks::kSlotWords;
+  if (d.coarse.size() != blocks || d.firstWord.size() != blocks || d.words.size() < 64 ||
+      d.words.size() % 64 != 0 || slots == 0 || slots * DepthBricks::kSlotWords != d.slots.size()) {
+    return false;
+  }
+  const auto linked = [](std::uint32_t word) { return (word & ClearanceWord::kLink) != 0; };
+  for (std::size_t i = 0; i < blocks; ++i) {
+    const std::size_t block = linked(d.coarse[i]) ? d.coarse[i] & ~ClearanceWord::kLink : 0;
+    if (block >= d.words.size() / 64 || d.firstWord[i] != block * 64) return false;
+  }
+  for (std::size_t i = 0; i < d.words.size(); ++i) {
+    if (!linked(d.words[i])) continue;
+    const std::size_t place = DepthBricks::placeOf(d.words[i]);
+    const std::size_t last =
+        place / DepthBricks::kSlotWords + ((d.words[i] & DepthBricks::kWide) != 0);
+    if (i < 64 || place % DepthBricks::kSlotWords != 0 || last >= slots) return false;
+  }
+  if (d.uniformLabel != 0) return d.label.empty() && d.labelBytes.empty();
+  if (d.label.size() != d.words.size()) return false;
+  for (std::size_t i = 0; i < d.label.size(); ++i) {
+    if ((d.label[i] & DepthBricks::kOneLabel) == 0 && linked(d.words[i]) &&
+        (d.label[i] + std::size_t{1}) * DepthBricks::kLabelBytes > d.labelBytes.size()) {
+      return false;
+    }
   }
   return true;
 }
 
 bool payloadHolds(const VoxelTree::Data& d) {
-  if (d.options.leaf == LeafModel::Voxel) {
-    return d.leafNormal.size() == d.leafLabel.size() && d.leafDepth.size() == d.leafLabel.size() &&
-           d.brick.empty();
-  }
-  if (d.brickLevel != brickLevelOf(d.bits, d.levels) ||
-      d.brickEdge != 1 << (d.bits * d.brickLevel)) {
-    return false;
-  }
-  const std::size_t perNode = (std::size_t{1} << (3 * d.bits)) / 8;
-  const std::size_t bricks = d.level[static_cast<std::size_t>(d.brickLevel)].masks.size() / perNode;
-  const std::size_t values = bricks * d.brickSize();
-  return d.brick.size() == values && d.brickLabel.size() == (d.uniformLabel == 0 ? values : 0);
+  if (d.options.leaf == LeafModel::Voxel) return d.depth.bytes() == 0;
+  return d.leafBytes.empty() && bricksHold(d.depth, d.extent);
 }
 
 bool shapeHolds(const VoxelTree::Data& d) {
@@ -184,7 +164,7 @@ bool holds(const VoxelTree::Data& d) {
 
 std::uint64_t treeSourceFingerprint(const LabelGrid& grid, std::span<const std::uint8_t> labels,
                                     const TreeOptions& options) {
-  Writer key;
+  CacheWriter key;
   key.value(kVersion);
   for (const auto n : grid.geometry.dims) key.value(n);
   for (int i = 0; i < 3; ++i) key.value(grid.geometry.spacing[i]);
@@ -199,7 +179,7 @@ std::uint64_t treeSourceFingerprint(const LabelGrid& grid, std::span<const std::
 
 std::string treeToCache(const VoxelTree& tree, std::uint64_t source) {
   const VoxelTree::Data& d = tree.data();
-  Writer writer;
+  CacheWriter writer;
   fields(writer, d);
   for (std::size_t l = 1; l < d.level.size(); ++l) {
     writer.array(d.level[l].masks);
@@ -216,11 +196,16 @@ std::string treeToCache(const VoxelTree& tree, std::uint64_t source) {
   return std::string(reinterpret_cast<const char*>(&header), sizeof header) + body;
 }
 
-Result<VoxelTree> treeFromCache(std::string_view bytes, std::uint64_t source) {
+namespace {
+
+// `bytes` may be used in place where `owner` keeps them (and they are aligned and private).
+Result<VoxelTree> readCache(char* bytes, std::size_t size, std::shared_ptr<void> owner,
+                            std::uint64_t source) {
   Header header{};
-  if (bytes.size() < sizeof header) return fail(refused("The tree's cache file is cut short."));
-  std::memcpy(&header, bytes.data(), sizeof header);
-  bytes.remove_prefix(sizeof header);
+  if (size < sizeof header) return fail(refused("The tree's cache file is cut short."));
+  std::memcpy(&header, bytes, sizeof header);
+  bytes += sizeof header;
+  size -= sizeof header;
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) {
     return fail(refused("The file is not a tree's cache."));
   }
@@ -232,12 +217,12 @@ Result<VoxelTree> treeFromCache(std::string_view bytes, std::uint64_t source) {
   if (header.source != source) {
     return fail(refused("The tree's cache file was made from other labels."));
   }
-  if (header.length != bytes.size()) return fail(refused("The tree's cache file is cut short."));
-  if (header.checksum != XXH3_64bits(bytes.data(), bytes.size())) {
+  if (header.length != size) return fail(refused("The tree's cache file is cut short."));
+  if (header.checksum != XXH3_64bits(bytes, size)) {
     return fail(refused("The tree's cache file is damaged."));
   }
   auto data = std::make_unique<VoxelTree::Data>();
-  Reader reader(bytes);
+  CacheReader reader(bytes, size, std::move(owner));
   fields(reader, *data);
   const bool countable = reader.good() && data->levels >= 1 && data->levels <= 30;
   data->level.resize(countable ? static_cast<std::size_t>(data->levels) + 1 : 0);
@@ -249,7 +234,15 @@ Result<VoxelTree> treeFromCache(std::string_view bytes, std::uint64_t source) {
     return fail(refused("The tree's cache file contradicts itself."));
   }
   data->spheres = SphereTable(data->bits, data->geometry.spacing);
+  data->depth.palette = DepthPalette(data->geometry.spacing);
   return VoxelTree::adopt(std::move(data));
+}
+
+}  // namespace
+
+Result<VoxelTree> treeFromCache(std::string_view bytes, std::uint64_t source) {
+  // Without an owner the bytes are only read.
+  return readCache(const_cast<char*>(bytes.data()), bytes.size(), nullptr, source);
 }
 
 Result<void> saveTreeCache(const VoxelTree& tree, std::uint64_t source,
@@ -258,13 +251,23 @@ Result<void> saveTreeCache(const VoxelTree& tree, std::uint64_t source,
 }
 
 Result<VoxelTree> loadTreeCache(const std::filesystem::path& file, std::uint64_t source) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)),
-                          std::istreambuf_iterator<char>());
-  if (!stream.is_open() || stream.bad()) {
+  const auto unreadable = [&file] {
     return fail(refused("The tree's cache file cannot be read.").inFile(file.string()));
+  };
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return unreadable();
+  struct stat status {};
+  const bool regular = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  const auto size = regular ? static_cast<std::size_t>(status.st_size) : 0;
+  void* at = size > 0 ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE, descriptor, 0)
+                      : MAP_FAILED;
+  close(descriptor);
+  if (regular && size == 0) {
+    return fail(refused("The tree's cache file is cut short.").inFile(file.string()));
   }
-  auto tree = treeFromCache(bytes, source);
+  if (at == MAP_FAILED) return unreadable();
+  std::shared_ptr<void> mapping(at, [size](void* p) { munmap(p, size); });
+  auto tree = readCache(static_cast<char*>(at), size, mapping, source);
   if (!tree) return fail(Error(tree.error()).inFile(file.string()));
   return tree;
 }

@@ -2,7 +2,8 @@
 /// A built tree in a file, so that a case opens without building again.
 ///
 /// Layout: a header (magic, version, byte order, fingerprint of the source, length and XXH3
-/// checksum of the rest), then the arrays, each after its length. A file is never trusted: what is
+/// checksum of the rest), then the arrays, each after its length and aligned. A file is mapped, not
+/// copied, and private: the tree may be edited, the file stays. A file is never trusted: what is
 /// foreign, of another version, cut short, damaged, made from other labels or inconsistent in its
 /// links is refused, and the caller builds the tree anew. Not for the loops.
 

@@ -10,56 +10,20 @@ namespace {
 
 using Address = std::array<std::int32_t, 3>;
 
-// Which boxes of one level hold anything, dense.
-struct Flags {
-  Address extent{};
-  std::vector<std::uint8_t> set;
-  [[nodiscard]] std::size_t index(std::int32_t x, std::int32_t y, std::int32_t z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(extent[1]) +
-            static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(extent[0]) +
-           static_cast<std::size_t>(x);
-  }
-};
-
-Flags coarser(const Address& extent, const std::vector<std::uint8_t>& set, int bits) {
-  Flags fine{extent, {}};
-  Flags out;
-  for (std::size_t a = 0; a < 3; ++a) {
-    out.extent[a] = ((extent[a] - 1) >> bits) + 1;
-  }
-  out.set.assign(static_cast<std::size_t>(out.extent[0]) * static_cast<std::size_t>(out.extent[1]) *
-                     static_cast<std::size_t>(out.extent[2]),
-                 0);
-  tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, out.extent[2]), [&](const auto& range) {
-    const std::int32_t zEnd = std::min(range.end() << bits, extent[2]);
-    for (std::int32_t z = range.begin() << bits; z < zEnd; ++z) {
-      for (std::int32_t y = 0; y < extent[1]; ++y) {
-        const std::uint8_t* row = set.data() + fine.index(0, y, z);
-        std::uint8_t* to = out.set.data() + out.index(0, y >> bits, z >> bits);
-        for (std::int32_t x = 0; x < extent[0]; ++x) to[x >> bits] |= row[x];
-      }
-    }
-  });
-  return out;
-}
-
 template <int Bits>
-NodeMask<Bits> maskOf(const Address& node, const Flags& dims,
-                      const std::vector<std::uint8_t>& set) {
+NodeMask<Bits> maskOf(const Address& node, const VoxelBits& below) {
   constexpr int kEdge = NodeMask<Bits>::kEdge;
   NodeMask<Bits> mask;
-  for (int z = 0; z < kEdge; ++z) {
-    const std::int32_t cz = node[2] * kEdge + z;
-    if (cz >= dims.extent[2]) break;
-    for (int y = 0; y < kEdge; ++y) {
-      const std::int32_t cy = node[1] * kEdge + y;
-      if (cy >= dims.extent[1]) break;
-      for (int x = 0; x < kEdge; ++x) {
-        const std::int32_t cx = node[0] * kEdge + x;
-        if (cx >= dims.extent[0]) break;
-        if (set[dims.index(cx, cy, cz)] != 0) mask.set(NodeMask<Bits>::child(x, y, z));
-      }
+  const std::int32_t x = node[0] * kEdge;
+  const int endZ = std::min(kEdge, below.extent[2] - node[2] * kEdge);
+  const int endY = std::min(kEdge, below.extent[1] - node[1] * kEdge);
+  for (int z = 0; z < endZ; ++z) {
+    for (int y = 0; y < endY; ++y) {
+      const std::uint64_t* row = below.row(node[1] * kEdge + y, node[2] * kEdge + z);
+      // A node's row lies within one word, for the edge divides 64.
+      const std::uint64_t bits = row[x >> 6] >> (x & 63) & ((1U << kEdge) - 1U);
+      const int at = NodeMask<Bits>::child(0, y, z);
+      mask.word[static_cast<std::size_t>(at) >> 6] |= bits << (at & 63);
     }
   }
   return mask;
@@ -67,15 +31,14 @@ NodeMask<Bits> maskOf(const Address& node, const Flags& dims,
 
 // Masks and links of one level, and the addresses of the level below.
 template <int Bits>
-std::size_t fillLevel(const std::vector<Address>& nodes, const Flags& below,
-                      const std::vector<std::uint8_t>& belowSet, TreeLevel& level,
+std::size_t fillLevel(const std::vector<Address>& nodes, const VoxelBits& below, TreeLevel& level,
                       std::vector<Address>* children) {
   using Mask = NodeMask<Bits>;
   level.masks.assign(nodes.size() * Mask::kBytes, 0);
   level.firstChild.assign(nodes.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size()), [&](const auto& range) {
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
-      maskOf<Bits>(nodes[n], below, belowSet).store(level.masks.data(), n);
+      maskOf<Bits>(nodes[n], below).store(level.masks.data(), n);
     }
   });
   std::size_t next = 0;
@@ -99,25 +62,24 @@ std::size_t fillLevel(const std::vector<Address>& nodes, const Flags& below,
 }
 
 template <int Bits>
-Result<TreeTopology> build(const Address& extent, const std::vector<std::uint8_t>& occupied) {
+Result<TreeTopology> build(const VoxelBits& occupied) {
   TreeTopology tree;
-  const std::int32_t longest = *std::max_element(extent.begin(), extent.end());
+  const std::int32_t longest = *std::max_element(occupied.extent.begin(), occupied.extent.end());
   tree.levels = 1;
   while ((std::int64_t{1} << (Bits * tree.levels)) < longest) ++tree.levels;
 
   const auto levels = static_cast<std::size_t>(tree.levels);
-  std::vector<Flags> flags(levels);  // [l]: boxes of level l; [0] only for its extent
-  flags[0].extent = extent;
+  std::vector<VoxelBits> boxes(levels);  // [l]: which boxes of level l hold anything, l > 0
   for (std::size_t l = 1; l < levels; ++l) {
-    flags[l] = coarser(flags[l - 1].extent, l == 1 ? occupied : flags[l - 1].set, Bits);
+    boxes[l] = coarser(l == 1 ? occupied : boxes[l - 1], Bits);
   }
   tree.level.resize(levels + 1);
   tree.address.resize(levels + 1);
   tree.address[levels] = {{0, 0, 0}};
   for (std::size_t l = levels; l >= 1; --l) {
-    const auto& set = l == 1 ? occupied : flags[l - 1].set;
-    const std::size_t below = fillLevel<Bits>(tree.address[l], flags[l - 1], set, tree.level[l],
-                                              l == 1 ? nullptr : &tree.address[l - 1]);
+    const std::size_t below =
+        fillLevel<Bits>(tree.address[l], l == 1 ? occupied : boxes[l - 1], tree.level[l],
+                        l == 1 ? nullptr : &tree.address[l - 1]);
     if (below >= kNoNode) {
       return fail(inputRefused("The tree would have more nodes in one level than can be addressed.")
                       .butFound(std::to_string(below))
@@ -131,16 +93,23 @@ Result<TreeTopology> build(const Address& extent, const std::vector<std::uint8_t
 
 }  // namespace
 
-Result<TreeTopology> buildTopology(int bits, const std::array<std::int32_t, 3>& extent,
-                                   const std::vector<std::uint8_t>& occupied) {
+Result<TreeTopology> buildTopology(int bits, const VoxelBits& occupied) {
   switch (bits) {
     case 1:
-      return build<1>(extent, occupied);
+      return build<1>(occupied);
     case 2:
-      return build<2>(extent, occupied);
+      return build<2>(occupied);
     default:
-      return build<3>(extent, occupied);
+      return build<3>(occupied);
   }
+}
+
+Result<TreeTopology> buildTopology(int bits, const std::array<std::int32_t, 3>& extent,
+                                   const std::vector<std::uint8_t>& occupied) {
+  std::array<std::uint8_t, 256> any;
+  any.fill(1);
+  any[0] = 0;
+  return buildTopology(bits, packBits(extent, occupied, any));
 }
 
 }  // namespace palpate

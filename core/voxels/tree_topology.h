@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/voxels/voxel_bits.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
@@ -18,8 +19,11 @@ struct TreeTopology {
   std::size_t leaves = 0;
 };
 
-/// @param occupied  one byte an item, x fastest; at least one is set.
+/// @param occupied  at least one item is set.
 /// Refuses more than 2^32 − 2 nodes or leaves in a level.
+[[nodiscard]] Result<TreeTopology> buildTopology(int bits, const VoxelBits& occupied);
+
+/// The same from one byte an item, x fastest.
 [[nodiscard]] Result<TreeTopology> buildTopology(int bits,
                                                  const std::array<std::int32_t, 3>& extent,
                                                  const std::vector<std::uint8_t>& occupied);

@@ -1,7 +1,5 @@
 #include "core/voxels/voxel_tree.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -9,16 +7,13 @@
 #include <cmath>
 #include <string>
 
-#include "core/voxels/distance_field.h"
-#include "core/voxels/leaf_payload.h"
-#include "core/voxels/surface_descriptor.h"
+#include "core/voxels/leaf_codes.h"
 #include "core/voxels/tree_topology.h"
+#include "core/voxels/voxel_bits.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
 namespace {
-
-using Flags = std::vector<std::uint8_t>;
 
 int bitsOf(Branching branching) {
   switch (branching) {
@@ -62,54 +57,18 @@ Result<void> checkGrid(const LabelGrid& grid) {
   return {};
 }
 
-Result<Flags> selectVoxels(const LabelGrid& grid, std::span<const std::uint8_t> labels) {
+Result<VoxelBits> selectVoxels(const LabelGrid& grid, std::span<const std::uint8_t> labels) {
   std::array<std::uint8_t, 256> wanted{};
   for (const std::uint8_t label : labels) wanted[label] = 1;
   if (labels.empty()) wanted.fill(1);
   wanted[0] = 0;  // background is never solid
-  Flags solid(grid.labels.size());
-  bool any = false;
-  for (std::size_t i = 0; i < solid.size(); ++i) {
-    solid[i] = wanted[grid.labels[i]];
-    any = any || solid[i] != 0;
-  }
-  if (!any) {
+  VoxelBits solid = packBits(grid.geometry.dims, grid.labels, wanted);
+  if (std::all_of(solid.word.begin(), solid.word.end(), [](auto w) { return w == 0; })) {
     return fail(inputRefused("No voxel of the label volume is selected, so there is no tree.")
                     .inField("labels")
                     .advise("Segment the structure first, or choose a label that has voxels."));
   }
   return solid;
-}
-
-// Distance leaves: the cell after each voxel is present where one of its eight corners is.
-Flags cellsOf(const GridGeometry& g, const Flags& corners) {
-  const std::array<std::int32_t, 3> extent{g.dims[0] - 1, g.dims[1] - 1, g.dims[2] - 1};
-  const auto nx = static_cast<std::size_t>(g.dims[0]);
-  const std::size_t slice = nx * static_cast<std::size_t>(g.dims[1]);
-  const auto ex = static_cast<std::size_t>(extent[0]);
-  Flags cells(ex * static_cast<std::size_t>(extent[1]) * static_cast<std::size_t>(extent[2]));
-  tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, extent[2]), [&](const auto& range) {
-    for (std::int32_t k = range.begin(); k != range.end(); ++k) {
-      for (std::int32_t j = 0; j < extent[1]; ++j) {
-        const std::uint8_t* c = corners.data() + g.index(0, j, k);
-        std::uint8_t* out =
-            cells.data() + (static_cast<std::size_t>(k) * static_cast<std::size_t>(extent[1]) +
-                            static_cast<std::size_t>(j)) *
-                               ex;
-        for (std::size_t i = 0; i < ex; ++i) {
-          out[i] = static_cast<std::uint8_t>(c[i] | c[i + 1] | c[i + nx] | c[i + nx + 1] |
-                                             c[i + slice] | c[i + slice + 1] | c[i + slice + nx] |
-                                             c[i + slice + nx + 1]);
-        }
-      }
-    }
-  });
-  return cells;
-}
-
-template <class T>
-std::size_t bytesOf(const std::vector<T>& v) {
-  return v.size() * sizeof(T);
 }
 
 void fillStats(VoxelTree::Data& data) {
@@ -118,10 +77,9 @@ void fillStats(VoxelTree::Data& data) {
   const std::size_t maskBytes = (std::size_t{1} << (3 * data.bits)) / 8;
   for (std::size_t l = 1; l < data.level.size(); ++l) {
     stats.nodesPerLevel.push_back(data.level[l].masks.size() / maskBytes);
-    stats.topologyBytes += bytesOf(data.level[l].masks) + bytesOf(data.level[l].firstChild);
+    stats.topologyBytes += data.level[l].masks.bytes() + data.level[l].firstChild.bytes();
   }
-  stats.payloadBytes = bytesOf(data.leafLabel) + bytesOf(data.leafNormal) +
-                       bytesOf(data.leafDepth) + bytesOf(data.brick) + bytesOf(data.brickLabel);
+  stats.payloadBytes = data.leafBytes.bytes() + data.depth.bytes();
 }
 
 }  // namespace
@@ -168,40 +126,38 @@ Result<std::unique_ptr<VoxelTree::Data>> VoxelTree::buildData(const LabelGrid& g
   data->options = options;
   data->bits = bitsOf(options.branching);
   data->spheres = SphereTable(data->bits, grid.geometry.spacing);
-  const auto kind = classifySurface(grid.geometry, *solid);
-  Flags present(solid->size());
-  for (std::size_t i = 0; i < kind.size(); ++i) {
-    const bool surface = kind[i] == SurfaceDescriptor::Surface;
-    data->stats.surfaceVoxels += surface ? 1 : 0;
-    data->stats.solidVoxels += (*solid)[i];
-    present[i] = options.surfaceOnly ? static_cast<std::uint8_t>(surface) : (*solid)[i];
-  }
+  const VoxelBits surface = surfaceOf(*solid);
+  data->stats.surfaceVoxels = surface.count();
+  data->stats.solidVoxels = solid->count();
 
-  progress(0.15, "Measuring distances");
-  const auto field = signedDistanceField(grid.geometry, *solid, progress);
-  if (!field) return fail(field.error());
-
-  progress(0.7, "Building the tree");
-  data->extent = grid.geometry.dims;
-  data->origin = -0.5 * grid.geometry.spacing;
-  if (options.leaf == LeafModel::Distance) {
-    present = cellsOf(grid.geometry, present);
-    for (auto& e : data->extent) --e;
-    data->origin = Eigen::Vector3d::Zero();
-  }
-  auto topology = buildTopology(data->bits, data->extent, present);
+  progress(0.15, "Building the tree");
+  const bool distance = options.leaf == LeafModel::Distance;
+  VoxelBits items = options.surfaceOnly ? surface : *solid;
+  if (distance) items = cellsOf(items);
+  data->extent = items.extent;
+  data->origin =
+      distance ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(-0.5 * grid.geometry.spacing);
+  auto topology = buildTopology(data->bits, items);
   if (!topology) return fail(topology.error());
   if (progress.cancelled()) return fail(cancelled());
   data->levels = topology->levels;
-  data->level = std::move(topology->level);
 
-  progress(0.85, "Storing normals and depths");
-  if (options.leaf == LeafModel::Distance) {
-    data->level[1].firstChild = {};  // cells carry nothing of their own
-    fillBricks(grid, *solid, *field, *topology, *data);
+  if (distance) {
+    topology->level[1].firstChild = {};  // cells carry nothing of their own
+    auto depth = buildDepthBricks(grid, *solid, items, progress);
+    if (!depth) return fail(depth.error());
+    data->depth = std::move(*depth);
   } else {
-    fillVoxelPayload(grid, *field, *topology, *data);
+    data->depth.palette = DepthPalette(grid.geometry.spacing);
+    data->depth.uniformLabel = onlyLabelOf(grid, *solid);
+    if (auto ok = fillLeaves(grid, *solid, data->depth.palette, data->depth.uniformLabel,
+                             data->bits, options.surfaceOnly, *topology, data->leafBytes, progress);
+        !ok) {
+      return fail(ok.error());
+    }
   }
+  progress(0.95, "Putting the tree together");
+  data->level = std::move(topology->level);
   if (progress.cancelled()) return fail(cancelled());
   fillStats(*data);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;

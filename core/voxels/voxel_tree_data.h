@@ -14,29 +14,20 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/large_array.h"
+#include "core/voxels/depth_bricks.h"
 #include "core/voxels/sphere_table.h"
-#include "core/voxels/unit_normal.h"
 #include "core/voxels/voxel_tree.h"
 
 namespace palpate {
 
 inline constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 
-/// Deeper than this many smallest spacings, the depth of the distance model saturates (design).
-inline constexpr double kSaturationVoxels = 16.0;
-
-/// The level whose nodes carry the bricks of distance leaves: eight cells a side where the
-/// branching has such a level, four for 64 children.
-[[nodiscard]] constexpr int brickLevelOf(int bits, int levels) noexcept {
-  const int level = bits == 1 ? 3 : 1;
-  return level < levels ? level : levels;
-}
-
 /// The nodes of one level, breadth-first: children of one node are neighbours in the level below.
 struct TreeLevel {
-  std::vector<std::uint8_t> masks;        ///< children/8 bytes a node.
-  std::vector<std::uint32_t> firstChild;  ///< Index in the level below; at level 1 of the leaf's
-                                          ///< payload (voxel leaves) or absent (distance leaves).
+  LargeArray<std::uint8_t> masks;        ///< children/8 bytes a node.
+  LargeArray<std::uint32_t> firstChild;  ///< Index in the level below; at level 1 the leaves' bytes
+                                         ///< (voxel leaves) or absent (distance leaves).
 };
 
 struct VoxelTree::Data {
@@ -51,24 +42,10 @@ struct VoxelTree::Data {
   std::vector<TreeLevel> level;                      ///< [1] .. [levels]; [0] stays empty.
   SphereTable spheres;
 
-  // Voxel leaves: one entry a present voxel, in the order of the tree.
-  std::vector<std::uint8_t> leafLabel;
-  std::vector<UnitNormal> leafNormal;  ///< Outward: along the gradient of the signed distance.
-  std::vector<float> leafDepth;        ///< D, metres.
-
-  // Distance leaves: a brick of signed distances on every node of level `brickLevel`, with an
-  // apron of one, x fastest: (edge+1)^3 values. All bricks are full ones, so thick interiors
-  // follow the volume.
-  int brickLevel = 0;
-  int brickEdge = 0;                     ///< Cells along a side.
-  std::vector<float> brick;              ///< Metres, > 0 outside.
-  std::uint8_t uniformLabel = 0;         ///< Not 0: the only label; brickLabel is empty.
-  std::vector<std::uint8_t> brickLabel;  ///< Laid out like `brick`; 0 outside.
-
-  [[nodiscard]] std::size_t brickSize() const noexcept {
-    const auto side = static_cast<std::size_t>(brickEdge) + 1;
-    return side * side * side;
-  }
+  /// Distance leaves: depths and clearances. Voxel leaves use its palette and uniformLabel only.
+  DepthBricks depth;
+  /// Voxel leaves: codes and labels (leaf_codes.h).
+  LargeArray<std::uint8_t> leafBytes;
 };
 
 }  // namespace palpate

@@ -6,49 +6,54 @@
 namespace palpate::bench {
 namespace {
 
+TreeOptions treeOptions(const std::string& method) {
+  TreeOptions options;
+  if (method == "voxel") options.leaf = LeafModel::Voxel;
+  return options;
+}
+
+QueryOptions queryOptions(const std::string& method) {
+  QueryOptions options;
+  if (method == "paper") options.method = QueryMethod::Paper;
+  return options;
+}
+
 class PalpatePeer : public Peer {
  public:
   PalpatePeer(const LabelGrid& grid, const std::vector<Eigen::Vector3d>& points,
               const std::string& method)
-      : method_(method),
-        tree_(VoxelTree::build(grid, {}, {}).value()),
+      : name_(method == "hierarchy" ? "palpate" : "palpate, " + method),
+        tree_(VoxelTree::build(grid, {}, treeOptions(method)).value()),
         shell_(PointShell::fromPoints(points, {points.size(), Eigen::Vector3d::UnitZ()}).value()),
-        finder_(tree_, shell_, options(method)),
-        contacts_(points.size()),
-        perVoxel_(1.0 / grid.geometry.spacing.minCoeff()) {}
-  [[nodiscard]] std::string name() const override { return "palpate, " + method_; }
+        finder_(tree_, shell_, queryOptions(method)),
+        perVoxel_(static_cast<float>(1.0 / grid.geometry.spacing.minCoeff())) {}
+  [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::size_t worldBytes() const override {
     return tree_.stats().topologyBytes + tree_.stats().payloadBytes;
   }
   [[nodiscard]] std::size_t tests() const override { return result_.tests; }
   void find(const Eigen::Isometry3d& X_VT, ContactList& out) override {
-    result_ = finder_.find(X_VT, contacts_);
+    result_ = finder_.findPacked(X_VT);
     out.count = result_.contactCount;
   }
   void collect(ContactList& out) const override {
+    const PackedContacts& packed = finder_.packed();
     for (std::size_t i = 0; i < out.count; ++i) {
-      const Contact& c = contacts_[i];
-      out.index[i] = c.shellIndex;
-      out.depth[i] = static_cast<float>(c.depth * perVoxel_);
-      out.nx[i] = static_cast<float>(c.n[0]);
-      out.ny[i] = static_cast<float>(c.n[1]);
-      out.nz[i] = static_cast<float>(c.n[2]);
+      out.index[i] = packed.index[i];
+      out.depth[i] = packed.depth[i] * perVoxel_;
+      out.nx[i] = packed.nx[i];
+      out.ny[i] = packed.ny[i];
+      out.nz[i] = packed.nz[i];
     }
   }
 
  private:
-  static QueryOptions options(const std::string& method) {
-    QueryOptions o;
-    o.method = method == "paper" ? QueryMethod::Paper : QueryMethod::Hierarchy;
-    return o;
-  }
-  std::string method_;
+  std::string name_;
   VoxelTree tree_;
   PointShell shell_;
   ContactFinder finder_;
-  std::vector<Contact> contacts_;
   QueryResult result_;
-  double perVoxel_;
+  float perVoxel_;
 };
 
 }  // namespace

@@ -16,10 +16,6 @@
 #include "tests/benchmarks/skull.h"
 #include "tests/benchmarks/wide_peers.h"
 #include "tests/benchmarks/world.h"
-#ifdef PALPATE_BENCH_PROTOTYPE
-#include "tests/benchmarks/prototype/identity.h"
-#include "tests/benchmarks/prototype/prototype.h"
-#endif
 
 namespace palpate::bench {
 namespace {
@@ -33,8 +29,8 @@ struct Options {
   int passes = 5;
   double press_mm = 0;
   std::uint64_t seed = 1;
-  bool check = false, scalar = false, dense = false, wide = false, own = false, paper = false;
-  bool bits = false, unequal = false, avx2 = false;
+  bool check = false, scalar = false, dense = false, wide = false, voxel = false, paper = false;
+  bool unequal = false, avx2 = false;
   std::string csv;
 };
 
@@ -101,9 +97,6 @@ void oneWorld(const Options& options, const std::string& what, const LabelGrid& 
               what.c_str(), field.dims[0], field.dims[1], field.dims[2],
               100.0 * solid / static_cast<double>(grid.labels.size()),
               static_cast<long long>(surface), took.count());
-#ifdef PALPATE_BENCH_PROTOTYPE
-  const auto world = prototypeWorld(field);
-#endif
   for (const std::size_t wanted : options.points) {
     const auto points = drillPoints(wanted);
     const ProbeTree probe = buildProbeTree(points);
@@ -112,10 +105,8 @@ void oneWorld(const Options& options, const std::string& what, const LabelGrid& 
       peers.push_back(makeRival(field, probe));
       peers.push_back(makeTunedRival(field, probe));
     }
-#ifdef PALPATE_BENCH_PROTOTYPE
-    peers.push_back(makePrototype(*world, probe));
-#endif
-    if (options.own) peers.push_back(makePalpate(grid, points, "hierarchy"));
+    peers.push_back(makePalpate(grid, points, "hierarchy"));
+    if (options.voxel) peers.push_back(makePalpate(grid, points, "voxel"));
     if (options.paper) peers.push_back(makePalpate(grid, points, "paper"));
     if (options.dense) peers.push_back(makeDenseSimd(field, probe));
     if (options.scalar) peers.push_back(makeScalarReference(field, points));
@@ -133,9 +124,6 @@ void oneWorld(const Options& options, const std::string& what, const LabelGrid& 
                                         ? slideAround(field, press, options.steps)
                                         : makeTrajectory(name, press, options.steps, options.seed);
       report(options, what, field.dims[0], points.size(), trajectory, peers, csv);
-#ifdef PALPATE_BENCH_PROTOTYPE
-      if (options.bits) checkIdentity(*world, probe, trajectory, 10);
-#endif
       if (options.check) check(*reference, peers, trajectory, points.size());
     }
   }
@@ -160,11 +148,9 @@ int runPeers(int argc, char** argv) {
   app.add_option("--csv", options.csv, "also write a table here");
   app.add_flag("--check", options.check, "compare every peer's contacts with the scalar reference");
   app.add_flag("--dense", options.dense, "also the dense field with SIMD for every point");
-  app.add_flag("--bits", options.bits,
-               "compare the prototype with itself, bit by bit, at every width");
   app.add_flag("--avx2", options.avx2, "nothing wider than AVX2");
   app.add_flag("--unequal", options.unequal, "spacings 1 : 1.25 : 2; no rivals");
-  app.add_flag("--own", options.own, "also the finder of core/collision");
+  app.add_flag("--voxel", options.voxel, "also ours with voxel leaves (another leaf model)");
   app.add_flag("--paper", options.paper, "also its paper method");
   app.add_flag("--wide", options.wide, "also OpenVDB, Bullet (to 128^3) and FCL, where built in");
   app.add_flag("--scalar", options.scalar, "also the scalar reference");

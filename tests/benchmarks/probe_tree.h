@@ -1,5 +1,5 @@
 #pragma once
-/// The probe's side for the rivals and the prototype: a 16-ary tree of spheres over the points.
+/// The probe's side for the rivals: a 16-ary tree of spheres over the points.
 ///
 /// Built well, once, for all of them: ranks are an order of the points in which every run of
 /// 16^l is compact, so that node i of level l holds ranks [i·16^l, (i+1)·16^l) and only centres and

@@ -20,7 +20,7 @@ namespace palpate::bench {
                                             const std::vector<Eigen::Vector3d>& points_T);
 [[nodiscard]] std::unique_ptr<Peer> makeBullet(const DenseField& field,
                                                const std::vector<Eigen::Vector3d>& points_T);
-/// core/collision, `method` as in QueryMethod: "hierarchy" or "paper".
+/// core/collision: "hierarchy", "paper", or "voxel" for the default with voxel leaves.
 [[nodiscard]] std::unique_ptr<Peer> makePalpate(const LabelGrid& grid,
                                                 const std::vector<Eigen::Vector3d>& points_T,
                                                 const std::string& method);

@@ -56,7 +56,7 @@ TEST(TreeCache, DamagedForeignAndOtherFilesAreRefused) {
   std::string other = good;
   other[8] = 99;
   EXPECT_EQ(refusal(other, 7), "The tree's cache file is of another version.");
-  for (std::size_t at = 40; at < good.size(); at += 997) {
+  for (std::size_t at = 64; at < good.size(); at += 997) {
     std::string damaged = good;
     damaged[at] = static_cast<char>(damaged[at] ^ 4);
     EXPECT_EQ(refusal(damaged, 7), "The tree's cache file is damaged.");
@@ -73,23 +73,23 @@ TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
   ASSERT_TRUE(tree);
   const std::string good = treeToCache(*tree, 7);
   const auto forge = [](std::string bytes) {
-    const std::uint64_t length = bytes.size() - 40;
-    const std::uint64_t sum = XXH3_64bits(bytes.data() + 40, bytes.size() - 40);
+    const std::uint64_t length = bytes.size() - 64;
+    const std::uint64_t sum = XXH3_64bits(bytes.data() + 64, bytes.size() - 64);
     std::memcpy(bytes.data() + 24, &length, 8);
     std::memcpy(bytes.data() + 32, &sum, 8);
     return bytes;
   };
   ASSERT_EQ(refusal(forge(good), 7), "accepted");
-  std::string wild = good;  // the last four bytes are the root's link
-  wild[wild.size() - 2] = 1;
+  std::string wild = good;  // the root's link lies before the last array's slack
+  wild[wild.size() - LargeArray<char>::kSlackBytes - 2] = 1;
   EXPECT_EQ(refusal(forge(wild), 7), "The tree's cache file contradicts itself.");
   int refusals = 0;
   for (int trial = 0; trial < 600; ++trial) {
     std::string bytes = good;
     // Half of the trials in the fields before the arrays, where they do most harm.
-    const std::size_t range = trial % 2 == 0 ? 300 : good.size() - 40;
-    bytes[40 + rng() % range] = static_cast<char>(rng());
-    if (trial % 5 == 0) bytes.resize(40 + rng() % (good.size() - 40));
+    const std::size_t range = trial % 2 == 0 ? 300 : good.size() - 64;
+    bytes[64 + rng() % range] = static_cast<char>(rng());
+    if (trial % 5 == 0) bytes.resize(64 + rng() % (good.size() - 64));
     const std::string message = refusal(forge(bytes), 7);
     refusals += message == "The tree's cache file contradicts itself." ? 1 : 0;
   }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/voxels/distance_field.h"
+#include "core/voxels/leaf_codes.h"
 #include "core/voxels/surface_descriptor.h"
 #include "core/voxels/voxel_tree_data.h"
 #include "tests/core/voxels/test_volumes.h"
@@ -23,30 +24,40 @@ using Address = std::array<std::int32_t, 3>;
 
 constexpr std::uint32_t kSeed = 2008;
 
+struct Leaf {
+  Address item;
+  std::uint16_t code = 0;  // of voxel leaves
+  std::uint8_t label = 0;
+};
+
 // Walks links and masks from the root, as any reader must, and lists the items it reaches.
 template <int Bits>
 void walk(const VoxelTree::Data& d, int level, std::size_t node, const Address& address,
-          std::vector<std::pair<Address, std::size_t>>& items) {
+          std::vector<Leaf>& items) {
   using Mask = NodeMask<Bits>;
   const TreeLevel& at = d.level[static_cast<std::size_t>(level)];
   const Mask mask = Mask::load(at.masks.data(), node);
   ASSERT_FALSE(mask.empty()) << "a node without a child";
-  std::size_t next = at.firstChild.empty() ? 0 : at.firstChild[node];
+  std::size_t next = level == 1 ? 0 : at.firstChild[node];
   forEachChild(mask, [&](int c) {
     const Address child{address[0] * Mask::kEdge + (c & Mask::kLow),
                         address[1] * Mask::kEdge + ((c >> Bits) & Mask::kLow),
                         address[2] * Mask::kEdge + (c >> (2 * Bits))};
-    if (level == 1) {
-      items.emplace_back(child, next++);
-    } else {
-      walk<Bits>(d, level - 1, next++, child, items);
+    if (level > 1) return walk<Bits>(d, level - 1, next++, child, items);
+    Leaf leaf{child};
+    if (d.options.leaf == LeafModel::Voxel) {
+      leaf.code = leafCode(d.leafBytes, at.firstChild[node], mask.rank(c));
+      leaf.label = d.depth.uniformLabel != 0
+                       ? d.depth.uniformLabel
+                       : leafLabel(d.leafBytes, at.firstChild[node], mask.count(), mask.rank(c));
     }
+    items.push_back(leaf);
   });
 }
 
-std::vector<std::pair<Address, std::size_t>> itemsOf(const VoxelTree& tree) {
+std::vector<Leaf> itemsOf(const VoxelTree& tree) {
   const VoxelTree::Data& d = tree.data();
-  std::vector<std::pair<Address, std::size_t>> items;
+  std::vector<Leaf> items;
   if (d.bits == 1) walk<1>(d, d.levels, 0, {0, 0, 0}, items);
   if (d.bits == 2) walk<2>(d, d.levels, 0, {0, 0, 0}, items);
   if (d.bits == 3) walk<3>(d, d.levels, 0, {0, 0, 0}, items);
@@ -66,19 +77,24 @@ TEST(VoxelTree, HoldsExactlyTheSolidVoxelsWithTheirLabelAndDepth) {
       const auto tree = VoxelTree::build(grid, {}, {branching, LeafModel::Voxel, false});
       ASSERT_TRUE(tree);
       std::set<Address> seen;
-      for (const auto& [item, leaf] : itemsOf(*tree)) {
+      const double s = grid.geometry.spacing.minCoeff();
+      for (const auto& [item, code, label] : itemsOf(*tree)) {
         ASSERT_TRUE(grid.geometry.contains(item[0], item[1], item[2]));
         const std::size_t at = grid.geometry.index(item[0], item[1], item[2]);
         EXPECT_NE(grid.labels[at], 0);
-        EXPECT_EQ(tree->data().leafLabel[leaf], grid.labels[at]);
-        EXPECT_EQ(tree->data().leafDepth[leaf], -(*field)[at]);
+        EXPECT_EQ(label, grid.labels[at]);
+        const double depth = -static_cast<double>(tree->data().depth.palette.value(code)) * s;
+        if (code != tree->data().depth.palette.deepestCode()) {
+          EXPECT_NEAR(depth, static_cast<double>(-(*field)[at]), 1e-5 * s);
+        } else {
+          EXPECT_GE(static_cast<double>(-(*field)[at]), kSaturationVoxels * s);
+        }
         EXPECT_TRUE(seen.insert(item).second);
       }
       std::size_t solid = 0;
       for (const auto label : grid.labels) solid += label != 0 ? 1 : 0;
       EXPECT_EQ(seen.size(), solid);
       EXPECT_EQ(tree->stats().solidVoxels, solid);
-      EXPECT_EQ(tree->data().leafLabel.size(), solid);
     }
   }
 }
@@ -90,7 +106,7 @@ TEST(VoxelTree, DistanceLeavesAreTheCellsWithACornerInside) {
       const auto tree = VoxelTree::build(grid, {}, {branching, LeafModel::Distance, false});
       ASSERT_TRUE(tree);
       std::set<Address> seen;
-      for (const auto& item : itemsOf(*tree)) seen.insert(item.first);
+      for (const auto& item : itemsOf(*tree)) seen.insert(item.item);
       for (int k = 0; k + 1 < grid.geometry.dims[2]; ++k) {
         for (int j = 0; j + 1 < grid.geometry.dims[1]; ++j) {
           for (int i = 0; i + 1 < grid.geometry.dims[0]; ++i) {
@@ -113,48 +129,10 @@ TEST(VoxelTree, SurfaceOnlyHoldsTheSurfaceVoxels) {
     const auto tree = VoxelTree::build(grid, {}, {Branching::Children64, LeafModel::Voxel, true});
     ASSERT_TRUE(tree);
     std::set<Address> seen;
-    for (const auto& item : itemsOf(*tree)) seen.insert(item.first);
+    for (const auto& item : itemsOf(*tree)) seen.insert(item.item);
     const auto expected = surfaceVoxels(grid.geometry, solidOf(grid));
     EXPECT_EQ(seen, std::set<Address>(expected.begin(), expected.end()));
     EXPECT_EQ(tree->stats().surfaceVoxels, expected.size());
-  }
-}
-
-TEST(VoxelTree, NormalsOfABallPointAwayFromItsCentre) {
-  const Eigen::Vector3d spacing(1e-3, 1.2e-3, 0.9e-3);
-  const Eigen::Vector3d centre(17e-3, 17e-3, 17e-3);
-  const auto grid = makeGrid({35, 30, 40}, spacing, [&](int i, int j, int k) {
-    const Eigen::Vector3d p(i * spacing.x(), j * spacing.y(), k * spacing.z());
-    return (p - centre).norm() < 14e-3;
-  });
-  const auto tree = VoxelTree::build(grid, {}, {Branching::Children64, LeafModel::Voxel, false});
-  ASSERT_TRUE(tree);
-  int checked = 0;
-  for (const auto& [item, leaf] : itemsOf(*tree)) {
-    const Eigen::Vector3d p = grid.geometry.centre_V(item[0], item[1], item[2]) - centre;
-    if (p.norm() < 6e-3) continue;  // near the middle every way out is as long
-    const Eigen::Vector3d n = decodeNormal(tree->data().leafNormal[leaf]);
-    // Distances jump between voxel centres; 1-2-1 smoothing leaves at most about 20 degrees.
-    EXPECT_GT(n.dot(p.normalized()), 0.93);
-    ++checked;
-  }
-  EXPECT_GT(checked, 5000);
-}
-
-TEST(VoxelTree, NormalsWhereTheGradientVanishesAreUnitAndFixed) {
-  for (const char* shape : {"voxel", "sheet", "all"}) {
-    const std::string name = shape;
-    const auto grid = makeGrid({5, 5, 5}, Eigen::Vector3d::Ones(), [&](int i, int j, int k) {
-      if (name == "voxel") return i == 2 && j == 2 && k == 2;
-      return name == "all" || i == 2;
-    });
-    const auto tree = VoxelTree::build(grid, {}, {Branching::Children8, LeafModel::Voxel, false});
-    ASSERT_TRUE(tree);
-    const Eigen::Vector3d n = decodeNormal(tree->data().leafNormal[0]);
-    const Eigen::Vector3d expected = name == "sheet" ? Eigen::Vector3d(1, 0, 0)
-                                     : name == "all" ? Eigen::Vector3d(0, 0, 1)
-                                                     : Eigen::Vector3d(1, 1, 1).normalized();
-    EXPECT_LT((n - expected).norm(), 1e-4) << name;
   }
 }
 
@@ -165,7 +143,7 @@ TEST(VoxelTree, SelectsTheNamedLabelsOnly) {
       VoxelTree::build(grid, wanted, {Branching::Children64, LeafModel::Voxel, false});
   ASSERT_TRUE(tree);
   EXPECT_EQ(tree->stats().solidVoxels, 72U);
-  for (const auto label : tree->data().leafLabel) EXPECT_TRUE(label == 2 || label == 5);
+  for (const Leaf& leaf : itemsOf(*tree)) EXPECT_TRUE(leaf.label == 2 || leaf.label == 5);
 }
 
 TEST(VoxelTree, StatisticsCountWhatIsThere) {
@@ -180,7 +158,7 @@ TEST(VoxelTree, StatisticsCountWhatIsThere) {
               std::vector<std::size_t>(static_cast<std::size_t>(levels[b]), 1));
     const std::size_t perNode = static_cast<std::size_t>(kBranchings[b]) / 8 + 4;
     EXPECT_EQ(tree->stats().topologyBytes, static_cast<std::size_t>(levels[b]) * perNode);
-    EXPECT_EQ(tree->stats().payloadBytes, 1U + 4U + 4U);
+    EXPECT_EQ(tree->stats().payloadBytes, 1U);  // six bits
     EXPECT_GT(tree->stats().buildMs, 0.0);
   }
 }
@@ -190,10 +168,9 @@ TEST(VoxelTree, TheSameGridGivesTheSameBits) {
   const auto a = VoxelTree::build(grid, {}, {});
   const auto b = VoxelTree::build(grid, {}, {});
   ASSERT_TRUE(a && b);
-  ASSERT_EQ(a->data().brick.size(), b->data().brick.size());
-  EXPECT_EQ(std::memcmp(a->data().brick.data(), b->data().brick.data(),
-                        a->data().brick.size() * sizeof(float)),
-            0);
+  EXPECT_EQ(a->data().depth.coarse, b->data().depth.coarse);
+  EXPECT_EQ(a->data().depth.words, b->data().depth.words);
+  EXPECT_EQ(a->data().depth.slots, b->data().depth.slots);
   EXPECT_EQ(a->data().level[1].masks, b->data().level[1].masks);
 }
 

@@ -1,0 +1,293 @@
+// Per-target include guard, as Highway wants it.
+#if defined(PALPATE_POINT_PASS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef PALPATE_POINT_PASS_INL_H_
+#undef PALPATE_POINT_PASS_INL_H_
+#else
+#define PALPATE_POINT_PASS_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "core/collision/lanes-inl.h"
+#include "core/collision/pack-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace palpate {
+namespace HWY_NAMESPACE {
+
+// The points of some leaves at a time, in passes over memory that stays in the first cache: cells
+// of all, then their codes by scalar loads (quicker than gathers on the machines measured), then
+// the arithmetic.
+constexpr std::size_t kLeaves = 16;
+constexpr std::size_t kAhead = 6;  // leaves between asking for one and reading it
+
+struct alignas(64) PointWork {
+  std::int32_t coarse[kLeaves * 16];
+  std::uint32_t child[kLeaves * 16];
+  std::uint32_t row[kLeaves * 16];    // y + 5 z in the brick
+  std::uint32_t shift[kLeaves * 16];  // of the codes at x in a row; see `select`
+  std::int32_t wx[kLeaves * 16];      // weights of the two depths along x: low half, high half
+  float fy[kLeaves * 16], fz[kLeaves * 16];
+  float limit[kLeaves * 16];              // a value below this is a contact
+  std::uint32_t depths[4][kLeaves * 16];  // of four rows, two a word: (y,z), (y+1,z), (y,z+1), ...
+#if HWY_TARGET == HWY_AVX3_DL
+  std::uint32_t rows[kLeaves * 16][4];  // words of four rows; points dealt out as `deal` says
+  std::uint16_t wide[kLeaves];          // a bit a point: `depths` holds them already
+#endif
+};
+
+#if HWY_TARGET == HWY_AVX3_DL
+// At x = 0: the first code twice, the second twice; odd lanes are the upper half of 64 bits.
+alignas(64) constexpr std::uint32_t kSelect[16] = {
+    0x06060000, 0x26262020, 0x06060000, 0x26262020, 0x06060000, 0x26262020, 0x06060000, 0x26262020,
+    0x06060000, 0x26262020, 0x06060000, 0x26262020, 0x06060000, 0x26262020, 0x06060000, 0x26262020};
+#endif
+
+HWY_INLINE void findCells(const Frame& frame, const PointBlock& leaf, std::size_t slot,
+                          PointWork& work) {
+  const DF d;
+  const DI di;
+  const DU du;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const Lane3 u = frame.apply(leaf.x + l, leaf.y + l, leaf.z + l);
+    const Lane3 c = frame.clamp(u);
+    const Cell3 i = frame.cellOf(c);
+    const VI three = hn::Set(di, 3);
+    const VI z = hn::And(i.z, three);
+    const VI row = hn::Add(hn::And(i.y, three), hn::Add(z, hn::ShiftLeft<2>(z)));
+    const VI x = hn::And(i.x, three);
+    hn::Store(frame.coarseAt(i), di, work.coarse + slot + l);
+    hn::Store(hn::BitCast(du, Frame::childOf(i)), du, work.child + slot + l);
+    hn::Store(hn::BitCast(du, row), du, work.row + slot + l);
+#if HWY_TARGET == HWY_AVX3_DL
+    // Where each byte of a lane's four begins in its 64 bits.
+    const VI select = hn::Add(hn::Mul(x, hn::Set(di, 0x06060606)),
+                              hn::Load(di, reinterpret_cast<const std::int32_t*>(kSelect)));
+    hn::Store(hn::BitCast(du, select), du, work.shift + slot + l);
+#else
+    hn::Store(hn::BitCast(du, hn::Mul(x, hn::Set(di, 6))), du, work.shift + slot + l);
+#endif
+    const VF fx = hn::Sub(c.x, hn::ConvertTo(d, i.x));
+    const VI q = hn::ConvertTo(
+        di, hn::Add(hn::Mul(fx, hn::Set(d, static_cast<float>(kFractionOne))), hn::Set(d, 0.5f)));
+    hn::Store(hn::Add(hn::Sub(hn::Set(di, kFractionOne), q), hn::ShiftLeft<16>(q)), di,
+              work.wx + slot + l);
+    hn::Store(hn::Sub(c.y, hn::ConvertTo(d, i.y)), d, work.fy + slot + l);
+    hn::Store(hn::Sub(c.z, hn::ConvertTo(d, i.z)), d, work.fz + slot + l);
+    // A point outside the box can't be in contact: its limit is below every value.
+    const auto in = hn::And(hn::And(hn::Eq(u.x, c.x), hn::Eq(u.y, c.y)), hn::Eq(u.z, c.z));
+    hn::Store(hn::IfThenElse(in, hn::Zero(d), hn::Set(d, -1e30f)), d, work.limit + slot + l);
+  }
+}
+
+// Rows of a cell from its own on.
+inline constexpr std::size_t kRow[4] = {0, 1, 5, 6};
+
+// Two depths of a wide brick's row.
+inline std::uint32_t wideDepths(const Frame& frame, const std::uint32_t* row, std::uint32_t x6) {
+  const std::uint32_t low = row[0] >> x6;
+  const std::uint32_t high = row[DepthBricks::kSlotWords] >> x6;
+  const auto first = static_cast<std::uint16_t>(frame.steps[(low & 63U) | (high & 63U) << 6]);
+  const auto second =
+      static_cast<std::uint16_t>(frame.steps[(low >> 6 & 63U) | (high >> 6 & 63U) << 6]);
+  return first | static_cast<std::uint32_t>(second) << 16;
+}
+
+HWY_INLINE void fetchPoint(const Frame& frame, std::size_t i, [[maybe_unused]] std::size_t deal,
+                           PointWork& work) {
+  // No branch but the rare one: where there is no link, the place is that of "nothing".
+  const std::int32_t word = frame.words[frame.firstWord[work.coarse[i]] + work.child[i]];
+  const auto link = static_cast<std::uint32_t>(word & (word >> 31));
+  const std::uint32_t* row = frame.slots + DepthBricks::placeOf(link) + work.row[i];
+#if HWY_TARGET == HWY_AVX3_DL
+  const __m128d lower = _mm_load_sd(reinterpret_cast<const double*>(row));
+  _mm_store_pd(reinterpret_cast<double*>(work.rows[deal]),
+               _mm_loadh_pd(lower, reinterpret_cast<const double*>(row + 5)));
+  if ((link & DepthBricks::kWide) != 0) [[unlikely]] {
+    work.wide[i / 16] = static_cast<std::uint16_t>(work.wide[i / 16] | 1U << (i % 16));
+    const std::uint32_t x6 = work.shift[i] & 31U;
+    for (std::size_t k = 0; k < 4; ++k) work.depths[k][i] = wideDepths(frame, row + kRow[k], x6);
+  }
+#else
+  const std::uint32_t x6 = work.shift[i];
+  if ((link & DepthBricks::kWide) == 0) [[likely]] {
+    for (std::size_t k = 0; k < 4; ++k) {
+      work.depths[k][i] = frame.pairs[row[kRow[k]] >> x6 & 4095U];
+    }
+  } else {
+    for (std::size_t k = 0; k < 4; ++k) work.depths[k][i] = wideDepths(frame, row + kRow[k], x6);
+  }
+#endif
+}
+
+HWY_INLINE void fetchDepths(const Frame& frame, std::size_t leaves, PointWork& work) {
+#if HWY_TARGET == HWY_AVX3_DL
+  std::fill_n(work.wide, leaves, std::uint16_t{0});
+#endif
+  for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+#pragma GCC unroll 16
+    for (std::size_t p = 0; p < 16; ++p) {
+      fetchPoint(frame, leaf * 16 + p, leaf * 16 + ((p & 3) << 2) + (p >> 2), work);
+    }
+  }
+}
+
+struct Rows {
+  VI v[4];
+};
+
+#if HWY_TARGET == HWY_AVX3_DL
+class Decoder {
+ public:
+  explicit Decoder(const DepthPalette& palette)
+      : low_(_mm512_loadu_si512(palette.lowBytes())),
+        high_(_mm512_loadu_si512(palette.highBytes())) {}
+  // Sixteen points: their words were dealt so that point 4l + j is in lane l of vector j; turned
+  // by fours, vector k holds row k of all in order.
+  HWY_INLINE Rows operator()(const PointWork& work, std::size_t at) const {
+    const __m512i p0 = _mm512_load_si512(work.rows[at]);
+    const __m512i p1 = _mm512_load_si512(work.rows[at + 4]);
+    const __m512i p2 = _mm512_load_si512(work.rows[at + 8]);
+    const __m512i p3 = _mm512_load_si512(work.rows[at + 12]);
+    const __m512i a = _mm512_unpacklo_epi32(p0, p1);
+    const __m512i b = _mm512_unpacklo_epi32(p2, p3);
+    const __m512i c = _mm512_unpackhi_epi32(p0, p1);
+    const __m512i e = _mm512_unpackhi_epi32(p2, p3);
+    const __m512i select = _mm512_load_si512(work.shift + at);
+    Rows rows;
+    rows.v[0] = depths(_mm512_unpacklo_epi64(a, b), select);
+    rows.v[1] = depths(_mm512_unpackhi_epi64(a, b), select);
+    rows.v[2] = depths(_mm512_unpacklo_epi64(c, e), select);
+    rows.v[3] = depths(_mm512_unpackhi_epi64(c, e), select);
+    const __mmask16 wide = work.wide[at / 16];
+    if (wide != 0) [[unlikely]] {
+      for (std::size_t k = 0; k < 4; ++k) {
+        rows.v[k] = VI{_mm512_mask_load_epi32(rows.v[k].raw, wide, &work.depths[k][at])};
+      }
+    }
+    return rows;
+  }
+
+ private:
+  // The look-up reads six bits of each byte, so the codes need no masking.
+  HWY_INLINE VI depths(__m512i row, __m512i select) const {
+    constexpr __mmask64 kUpper = 0xAAAAAAAAAAAAAAAAULL;
+    const __m512i code = _mm512_multishift_epi64_epi8(select, row);
+    return VI{
+        _mm512_mask_permutexvar_epi8(_mm512_permutexvar_epi8(code, low_), kUpper, code, high_)};
+  }
+  __m512i low_, high_;
+};
+#else
+class Decoder {
+ public:
+  explicit Decoder(const DepthPalette& /*palette*/) {}
+  HWY_INLINE Rows operator()(const PointWork& work, std::size_t at) const {
+    const DU du;
+    const DI di;
+    return {{hn::BitCast(di, hn::Load(du, work.depths[0] + at)),
+             hn::BitCast(di, hn::Load(du, work.depths[1] + at)),
+             hn::BitCast(di, hn::Load(du, work.depths[2] + at)),
+             hn::BitCast(di, hn::Load(du, work.depths[3] + at))}};
+  }
+};
+#endif
+
+// Low times low plus high times high half, of each lane.
+HWY_INLINE VI dot(VI a, VI b) {
+#if HWY_TARGET == HWY_AVX3_DL || HWY_TARGET == HWY_AVX3
+  return VI{_mm512_madd_epi16(a.raw, b.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return VI{_mm256_madd_epi16(a.raw, b.raw)};
+#else
+  const auto low = [](VI v) HWY_ATTR { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  return hn::Add(hn::Mul(low(a), low(b)), hn::Mul(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b)));
+#endif
+}
+
+HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const PointWork& work,
+                         std::size_t slot, float metresPerStep, PackedContacts& out) {
+  const DF d;
+  const DI di;
+  const DU du;
+  for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
+    const Rows rows = decode(work, slot + l);
+    const VI wx = hn::Load(di, work.wx + slot + l);
+    const VF fy = hn::Load(d, work.fy + slot + l);
+    const VF fz = hn::Load(d, work.fz + slot + l);
+    const VF r0 = hn::ConvertTo(d, dot(rows.v[0], wx));
+    const VF r1 = hn::ConvertTo(d, dot(rows.v[1], wx));
+    const VF r2 = hn::ConvertTo(d, dot(rows.v[2], wx));
+    const VF r3 = hn::ConvertTo(d, dot(rows.v[3], wx));
+    const VF s0 = mix(r0, r1, fy);
+    const VF s1 = mix(r2, r3, fy);
+    const VF value = mix(s0, s1, fz);
+    const auto hit = hn::Lt(value, hn::Load(d, work.limit + slot + l));
+    if (hn::AllFalse(d, hit)) continue;
+    const VI step = hn::Set(di, (1 << 16) | 0xFFFF);  // −1, +1
+    const VF x0 = hn::ConvertTo(d, dot(rows.v[0], step));
+    const VF x1 = hn::ConvertTo(d, dot(rows.v[1], step));
+    const VF x2 = hn::ConvertTo(d, dot(rows.v[2], step));
+    const VF x3 = hn::ConvertTo(d, dot(rows.v[3], step));
+    const VF gx = hn::Mul(mix(mix(x0, x1, fy), mix(x2, x3, fy), fz),
+                          hn::Set(d, static_cast<float>(kFractionOne)));
+    const VF gy = mix(hn::Sub(r1, r0), hn::Sub(r3, r2), fz);
+    const VF gz = hn::Sub(s1, s0);
+    const std::size_t n = out.count;
+    const Packer<DF> packer(hit);
+    packer.store(hn::Load(du, leaf.index + l), &out.index[n]);
+    packer.store(hn::Mul(value, hn::Set(d, -metresPerStep)), &out.depth[n]);
+    packer.store(gx, &out.nx[n]);
+    packer.store(gy, &out.ny[n]);
+    packer.store(gz, &out.nz[n]);
+    out.count = n + packer.count();
+  }
+}
+
+// Gradients in cells, of the contacts from `from` on, to unit normals in space. A gradient this
+// short is a balance of sides: +z.
+HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedContacts& out) {
+  const DF d;
+  for (std::size_t i = from; i < out.count; i += hn::Lanes(d)) {
+    const VF x = hn::Mul(hn::LoadU(d, &out.nx[i]), hn::Set(d, 1.0f / frame.edge[0]));
+    const VF y = hn::Mul(hn::LoadU(d, &out.ny[i]), hn::Set(d, 1.0f / frame.edge[1]));
+    const VF z = hn::Mul(hn::LoadU(d, &out.nz[i]), hn::Set(d, 1.0f / frame.edge[2]));
+    const VF length2 = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+    const auto some = hn::Gt(length2, hn::Set(d, 1.0f));
+    const VF scale =
+        hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::IfThenElse(some, length2, hn::Set(d, 1.0f))));
+    hn::StoreU(hn::IfThenElseZero(some, hn::Mul(x, scale)), d, &out.nx[i]);
+    hn::StoreU(hn::IfThenElseZero(some, hn::Mul(y, scale)), d, &out.ny[i]);
+    hn::StoreU(hn::IfThenElse(some, hn::Mul(z, scale), hn::Set(d, 1.0f)), d, &out.nz[i]);
+  }
+}
+
+/// The contacts of the points in `count` leaves of work.frontier.
+HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t count,
+                           PackedContacts& out) {
+  const Decoder decode(work.bricks->palette);
+  const PointBlock* leaves = work.shell->leaf.data();
+  PointWork points;
+  for (std::size_t first = 0; first < count; first += kLeaves) {
+    const std::size_t n = std::min(kLeaves, count - first);
+    const std::size_t from = out.count;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto* soon = reinterpret_cast<const char*>(&leaves[work.frontier[first + i + kAhead]]);
+      for (std::size_t line = 0; line < sizeof(PointBlock); line += 64) {
+        __builtin_prefetch(soon + line);
+      }
+      findCells(frame, leaves[work.frontier[first + i]], i * 16, points);
+    }
+    fetchDepths(frame, n, points);
+    for (std::size_t i = 0; i < n; ++i) {
+      evaluate(decode, leaves[work.frontier[first + i]], points, i * 16, work.metresPerStep, out);
+    }
+    normalise(frame, from, out);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace palpate
+HWY_AFTER_NAMESPACE();
+
+#endif
