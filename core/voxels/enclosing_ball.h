@@ -1,8 +1,10 @@
 #pragma once
 /// The smallest ball that holds a few points, exact up to rounding.
 ///
-/// Welzl's incremental algorithm ("Smallest enclosing disks", 1991), in the fixed order of the
-/// input: same points, same bits. Meant for tens of points (corners of cells), not for clouds.
+/// Pivoting (Gärtner, "Fast and robust smallest enclosing balls", 1999): the ball of a support of
+/// at most four points grows by the farthest point outside it, until there is none. In the fixed
+/// order of the input: same points, same bits. Takes no memory. Meant for tens to hundreds of
+/// points (corners of cells), not for clouds.
 
 #include <Eigen/Core>
 #include <span>
@@ -16,6 +18,6 @@ struct Ball {
 
 /// The radius is the largest distance from the centre to a point, so every point is enclosed even
 /// where the centre was rounded. A ball of radius 0 at the origin for no points.
-[[nodiscard]] Ball smallestEnclosingBall(std::span<const Eigen::Vector3d> points);
+[[nodiscard]] Ball smallestEnclosingBall(std::span<const Eigen::Vector3d> points) noexcept;
 
 }  // namespace palpate

@@ -1,7 +1,10 @@
 #include "core/voxels/sphere_table.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "core/voxels/enclosing_ball.h"
 
@@ -28,6 +31,71 @@ std::vector<Eigen::Vector3d> octantCorners(unsigned pattern, const Eigen::Vector
   }
   return corners;
 }
+
+// The extreme corners of the occupied children, from the node's centre, with children of one cell:
+// what the smallest enclosing sphere depends on. Of every row of corners along x only the two ends
+// can be extreme, and of those none that lies between corners of both neighbours along y, or along
+// z.
+template <int Bits>
+class ExtremeCorners {
+ public:
+  static constexpr int kSide = NodeMask<Bits>::kEdge + 1;
+
+  explicit ExtremeCorners(const NodeMask<Bits>& mask, const Eigen::Vector3d& cell) noexcept {
+    fillRows(mask);
+    for (int z = 0; z < kSide; ++z) {
+      for (int y = 0; y < kSide; ++y) {
+        const unsigned row = rowAt(y, z);
+        if (row == 0) continue;
+        const int lo = std::countr_zero(row);
+        const int hi = std::bit_width(row) - 1;
+        keep(lo, y, z, cell);
+        if (hi != lo) keep(hi, y, z, cell);
+      }
+    }
+  }
+  [[nodiscard]] std::span<const Eigen::Vector3d> points() const noexcept {
+    return {point_.data(), count_};
+  }
+
+ private:
+  // Rows of corners: a child's row sets its corners in the four rows of corners around it.
+  void fillRows(const NodeMask<Bits>& mask) noexcept {
+    constexpr int kEdge = NodeMask<Bits>::kEdge;
+    for (int z = 0; z < kEdge; ++z) {
+      for (int y = 0; y < kEdge; ++y) {
+        const int at = NodeMask<Bits>::child(0, y, z);
+        const auto children = static_cast<unsigned>(
+            (mask.word[static_cast<std::size_t>(at) >> 6] >> (at & 63)) & ((1U << kEdge) - 1U));
+        const unsigned corners = children | (children << 1U);
+        for (const int dz : {0, 1}) {
+          for (const int dy : {0, 1}) {
+            row_[static_cast<std::size_t>((z + dz) * kSide + y + dy)] |= corners;
+          }
+        }
+      }
+    }
+  }
+  [[nodiscard]] unsigned rowAt(int y, int z) const noexcept {
+    if (y < 0 || z < 0 || y >= kSide || z >= kSide) return 0;
+    return row_[static_cast<std::size_t>(z * kSide + y)];
+  }
+  // Does the row reach from x or before to x or beyond?
+  [[nodiscard]] static bool spans(unsigned row, int x) noexcept {
+    return (row >> static_cast<unsigned>(x)) != 0 &&
+           (row & ((2U << static_cast<unsigned>(x)) - 1U)) != 0;
+  }
+  void keep(int x, int y, int z, const Eigen::Vector3d& cell) noexcept {
+    if (spans(rowAt(y - 1, z), x) && spans(rowAt(y + 1, z), x)) return;
+    if (spans(rowAt(y, z - 1), x) && spans(rowAt(y, z + 1), x)) return;
+    constexpr double kHalf = 0.5 * NodeMask<Bits>::kEdge;
+    point_[count_++] = {(x - kHalf) * cell.x(), (y - kHalf) * cell.y(), (z - kHalf) * cell.z()};
+  }
+
+  std::array<unsigned, static_cast<std::size_t>(kSide) * kSide> row_{};
+  std::array<Eigen::Vector3d, static_cast<std::size_t>(kSide) * kSide * 2> point_;
+  std::size_t count_ = 0;
+};
 
 NodeSphere sideSphere(const std::vector<Eigen::Vector3d>& corners) {
   Eigen::Vector3d lo = corners.front();
@@ -68,21 +136,16 @@ SphereTable::Box SphereTable::occupied(const NodeMask<Bits>& mask) noexcept {
   unsigned xs = 0;
   unsigned ys = 0;
   unsigned zs = 0;
-  unsigned octants = 0;
   for (int z = 0; z < kEdge; ++z) {
     const std::uint64_t slab =
         (mask.word[static_cast<std::size_t>(z * kSlab) >> 6] >> ((z * kSlab) & 63)) & kSlabMask;
     if (slab == 0) continue;
     zs |= 1U << z;
-    const unsigned upperZ = z >= kEdge / 2 ? 4U : 0U;
     for (int y = 0; y < kEdge; ++y) {
       const auto row = static_cast<unsigned>((slab >> (y * kEdge)) & ((1U << kEdge) - 1U));
       if (row == 0) continue;
       ys |= 1U << y;
       xs |= row;
-      const unsigned upperY = y >= kEdge / 2 ? 2U : 0U;
-      if ((row & ((1U << (kEdge / 2)) - 1U)) != 0) octants |= 1U << (upperZ | upperY);
-      if ((row >> (kEdge / 2)) != 0) octants |= 1U << (upperZ | upperY | 1U);
     }
   }
   const auto span = [](unsigned bits, int& lo, int& hi) {
@@ -93,7 +156,6 @@ SphereTable::Box SphereTable::occupied(const NodeMask<Bits>& mask) noexcept {
   span(xs, box.lo[0], box.hi[0]);
   span(ys, box.lo[1], box.hi[1]);
   span(zs, box.lo[2], box.hi[2]);
-  box.octants = static_cast<std::uint8_t>(octants);
   return box;
 }
 
@@ -108,6 +170,10 @@ NodeSphere SphereTable::sphere(const NodeMask<Bits>& mask, int level,
     const NodeSphere& entry = kind == SphereKind::Tight ? tight_[pattern] : side_[pattern];
     return {entry.offset * child, entry.radius * child};
   } else {
+    if (kind == SphereKind::Tight) {
+      const Ball ball = smallestEnclosingBall(ExtremeCorners<Bits>(mask, cell_).points());
+      return {ball.centre * child, ball.radius * child};
+    }
     const Box box = occupied(mask);
     NodeSphere ofBox;
     double squared = 0.0;
@@ -119,10 +185,6 @@ NodeSphere SphereTable::sphere(const NodeMask<Bits>& mask, int level,
       squared += extent * extent;
     }
     ofBox.radius = std::sqrt(squared);
-    if (kind == SphereKind::SideOffset) return ofBox;
-    const double scale = child * (kEdge / 2);  // an octant holds kEdge/2 children a side
-    const NodeSphere& octant = tight_[box.octants];
-    if (octant.radius * scale < ofBox.radius) return {octant.offset * scale, octant.radius * scale};
     return ofBox;
   }
 }

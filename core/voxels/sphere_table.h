@@ -5,15 +5,14 @@
 /// the node: offset from its centre and radius, both for a node whose children have the size of
 /// one cell; the caller scales them with the level (paper 3.1: "scale/offset").
 ///
-/// Eight children: the exact smallest enclosing sphere of the occupied octants, from a table over
-/// the 255 patterns. 64 and 512 children: the smaller of two enclosing spheres, that of the box of
-/// the occupied children and that of the occupied octants (the same table, scaled); it encloses
-/// always and is the smallest for every pattern that fills its box or its octants.
+/// Tight spheres are the smallest enclosing spheres of the occupied children's boxes, for every
+/// pattern. Eight children: from a table over the 255 patterns. 64 and 512 children: computed from
+/// the extreme corners of the pattern, a microsecond a node; a query looks them up instead
+/// (pattern_spheres.h).
 
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "core/voxels/node_mask.h"
 
@@ -28,7 +27,7 @@ struct NodeSphere {
 enum class SphereKind : std::uint8_t {
   Full,        ///< The cube's own: s·2^(N·L−1)·√3, centred.
   SideOffset,  ///< Centre shifted to the occupied side, radius reduced as far as it encloses.
-  Tight,       ///< The table's radius and offset.
+  Tight,       ///< The smallest that encloses the occupied children.
 };
 
 /// Immutable; any thread may read it. Source: paper 3.1, figure 2, with the design's errata.
@@ -39,7 +38,8 @@ class SphereTable {
   /// @param cell  edges of a leaf cell, metres.
   SphereTable(int bits, const Eigen::Vector3d& cell);
 
-  /// The sphere of a node at `level` >= 1 with this mask; Bits must be those of the table.
+  /// The sphere of a node at `level` >= 1 with this mask, which is not empty; Bits must be those of
+  /// the table. Takes no memory.
   template <int Bits>
   [[nodiscard]] NodeSphere sphere(const NodeMask<Bits>& mask, int level,
                                   SphereKind kind) const noexcept;
@@ -47,6 +47,7 @@ class SphereTable {
   [[nodiscard]] double fullRadius(int level) const noexcept {
     return fullRadius_[static_cast<std::size_t>(level)];
   }
+  [[nodiscard]] const Eigen::Vector3d& cell() const noexcept { return cell_; }
   /// The table itself, for a node of two cells a side: pattern 1..255.
   [[nodiscard]] const NodeSphere& tight8(std::uint8_t pattern) const noexcept {
     return tight_[pattern];
@@ -58,7 +59,6 @@ class SphereTable {
  private:
   struct Box {
     std::array<int, 3> lo, hi;  // occupied children, inclusive
-    std::uint8_t octants = 0;
   };
   template <int Bits>
   [[nodiscard]] static Box occupied(const NodeMask<Bits>& mask) noexcept;
