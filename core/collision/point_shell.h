@@ -29,8 +29,12 @@ class PointShell {
   /// Radius about the origin of T that holds every point, metres.
   [[nodiscard]] double reach() const noexcept;
 
-  struct Data;  ///< The hierarchy over the points, for the traversal.
+  struct Data;  ///< The trees over the points, for the traversal.
   [[nodiscard]] const Data& data() const noexcept { return *data_; }
+  /// For what makes a shell with more than points (voxel_body_shell); `data` fits together.
+  [[nodiscard]] static PointShell adopt(std::shared_ptr<const Data> data) noexcept {
+    return PointShell(std::move(data));
+  }
 
  private:
   explicit PointShell(std::shared_ptr<const Data> data) noexcept : data_(std::move(data)) {}

@@ -9,8 +9,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "core/collision/body_tree.h"
 #include "core/collision/point_shell.h"
 #include "core/collision/shell_blocks.h"
 
@@ -46,6 +48,7 @@ struct PointShell::Data {
   double reach = 0.0;
   ShellHierarchy hierarchy;
   ShellBlocks blocks;  ///< The same, side by side.
+  std::optional<VoxelBody> body;  ///< Of a voxel body: its own trees.
 };
 
 }  // namespace palpate

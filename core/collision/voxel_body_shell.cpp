@@ -1,5 +1,8 @@
 #include "core/collision/voxel_body_shell.h"
 
+#include <memory>
+
+#include "core/collision/shell_hierarchy.h"
 #include "core/voxels/distance_field.h"
 #include "core/voxels/outward_normal.h"
 #include "core/voxels/surface_descriptor.h"
@@ -23,7 +26,13 @@ Result<PointShell> shellOfVoxelBody(const LabelGrid& body, const Progress& progr
     points.push_back(g.X_PV * g.centre_V(v[0], v[1], v[2]));
     normals.push_back(g.X_PV.linear() * outwardNormal(g, *field, v[0], v[1], v[2]));
   }
-  return PointShell::fromPoints(std::move(points), std::move(normals));
+  const auto shell = PointShell::fromPoints(std::move(points), std::move(normals));
+  if (!shell) return fail(shell.error());
+  auto data = std::make_shared<PointShell::Data>(shell->data());
+  auto trees = buildVoxelBody(g, voxels, data->points_T, data->hierarchy.order);
+  if (!trees) return fail(trees.error());
+  data->body = std::move(*trees);
+  return PointShell::adopt(std::move(data));
 }
 
 }  // namespace palpate
