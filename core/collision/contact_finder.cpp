@@ -270,12 +270,7 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
     s.frontier.resize(groups + ShellHierarchy::kArity);
     s.nextFrontier.resize(groups + ShellHierarchy::kArity);
   }
-  if (options.method == QueryMethod::Paper) {
-    // Enough for a true breadth-first descent of common scenes; beyond it goes depth-first.
-    const std::size_t pairs = std::clamp<std::size_t>(groups * 64, 1024, std::size_t{1} << 20);
-    s.pairs.resize(pairs);
-    s.nextPairs.resize(pairs);
-  }
+  if (options.method == QueryMethod::Paper) preparePaper(s, shell.data());
 }
 
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;

@@ -11,20 +11,11 @@
 #include "core/collision/contact_finder.h"
 #include "core/collision/fast_query.h"
 #include "core/collision/leaf_test.h"
+#include "core/collision/paper_work.h"
 #include "core/collision/shell_hierarchy.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
-
-/// A node of the shell against a node of the tree.
-struct NodePair {
-  std::uint32_t shell = 0;  ///< Node of shellLevel; a rank when that is kPointLevel.
-  std::uint32_t tree = 0;   ///< Node of treeLevel.
-  Item address{0, 0, 0};    ///< Of the tree's node, in nodes of its level.
-  std::int16_t shellLevel = 0;
-  std::int16_t treeLevel = 0;
-};
-inline constexpr std::int16_t kPointLevel = -1;
 
 /// A shell point in a node where descent was cut.
 struct CutPoint {
@@ -51,7 +42,7 @@ struct QueryWork {
   std::size_t cutCount = 0;
 
   std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
-  std::vector<NodePair> pairs, nextPairs;             ///< Paper.
+  PaperWork paper;
   FastWork fast;                                      ///< Distance leaves, many points at a time.
   PackedContacts packed;
   std::vector<std::uint32_t> rankOf;  ///< Shell index -> rank; distance leaves.
@@ -112,6 +103,9 @@ template <int Bits>
 void runBruteForce(QueryWork& work) noexcept;
 template <int Bits>
 void runHierarchy(QueryWork& work) noexcept;
+/// Sizes the scratch of QueryMethod::Paper and computes its spheres; takes memory. Wants tree,
+/// shell and options set.
+void preparePaper(QueryWork& work, const PointShell::Data& shell);
 template <int Bits>
 void runPaper(QueryWork& work) noexcept;
 

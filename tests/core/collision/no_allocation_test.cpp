@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
 
 #include "core/collision/contact_finder.h"
+#include "core/collision/voxel_body_shell.h"
 #include "tests/core/collision/oracle.h"
 #include "tests/core/voxels/test_volumes.h"
 
@@ -72,27 +74,35 @@ TEST(NoAllocation, AQueryTakesNoMemoryWhateverTheMethodAndOption) {
   std::mt19937 rng(13);
   const auto grid = testing_volumes::assortedGrids(13)[9].grid;
   const Eigen::Vector3d middle = oracle::middleOf(grid.geometry);
-  const PointShell shell = oracle::randomShell(rng, 3000, 0.6 * middle);
+  // Points, and a voxel body with trees of its own.
+  const PointShell points = oracle::randomShell(rng, 3000, 0.6 * middle);
+  auto body = testing_volumes::assortedGrids(14)[9].grid;
+  body.geometry.X_PV.translation() = -oracle::middleOf(body.geometry);
+  const PointShell voxels = shellOfVoxelBody(body).value();
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < 50; ++i) poses.push_back(oracle::randomPose(rng, middle, 5e-3));
-  std::vector<Contact> out(shell.size());
+  std::vector<Contact> out(std::max(points.size(), voxels.size()));
   for (const LeafModel leaf : {LeafModel::Voxel, LeafModel::Distance}) {
-    const auto tree = VoxelTree::build(grid, {}, {Branching::Children8, leaf, false});
-    ASSERT_TRUE(tree);
-    for (const QueryMethod method :
-         {QueryMethod::Hierarchy, QueryMethod::Paper, QueryMethod::BruteForce}) {
-      for (const int stopLevel : {0, 2}) {
-        for (const std::uint32_t budget : {0xFFFFFFFFU, 50U}) {
-          QueryOptions options;
-          options.method = method;
-          options.stopLevel = stopLevel;
-          options.contactBudget = budget;
-          ContactFinder finder(*tree, shell, options);
-          std::size_t contacts = 0;
-          const long before = allocations.load();
-          for (const auto& X : poses) contacts += finder.find(X, out).contactCount;
-          EXPECT_EQ(allocations.load(), before);
-          EXPECT_GT(contacts, 0U);
+    for (const Branching branching : {Branching::Children8, Branching::Children512}) {
+      const auto tree = VoxelTree::build(grid, {}, {branching, leaf, false});
+      ASSERT_TRUE(tree);
+      for (const QueryMethod method :
+           {QueryMethod::Hierarchy, QueryMethod::Paper, QueryMethod::BruteForce}) {
+        for (const int stopLevel : {0, 2}) {
+          for (const std::uint32_t budget : {0xFFFFFFFFU, 50U}) {
+            QueryOptions options;
+            options.method = method;
+            options.stopLevel = stopLevel;
+            options.contactBudget = budget;
+            for (const PointShell& shell : {points, voxels}) {
+              ContactFinder finder(*tree, shell, options);
+              std::size_t contacts = 0;
+              const long before = allocations.load();
+              for (const auto& X : poses) contacts += finder.find(X, out).contactCount;
+              EXPECT_EQ(allocations.load(), before);
+              EXPECT_GT(contacts, 0U);
+            }
+          }
         }
       }
     }
