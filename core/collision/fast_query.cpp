@@ -52,6 +52,7 @@ void FastWork::prepare(const DepthBricks& depth, const std::array<std::int32_t, 
   bricks = &depth;
   shell = &blocks;
   for (std::size_t a = 0; a < 3; ++a) lastCell[a] = static_cast<float>(cells[a] - 1);
+  depthLimit = static_cast<float>(kSaturationVoxels * unit);
   metresPerStep = metresPerStepOf(depth.palette, unit);
   // A whole vector may be stored past the last node, and leaves are asked for ahead.
   const std::size_t nodes = blocks.leaf.size() + 64;

@@ -29,6 +29,7 @@ struct FastWork {
   const DepthBricks* bricks = nullptr;
   const ShellBlocks* shell = nullptr;
   std::array<float, 3> lastCell{};            ///< Highest cell along each axis.
+  float depthLimit = 0;                       ///< Saturated depths are this, metres.
   float metresPerStep = 0;                    ///< Of a value in the bricks' steps and the weights'.
   std::vector<std::uint32_t> frontier, next;  ///< Nodes of one level.
   std::uint32_t tests = 0;

@@ -13,11 +13,6 @@ float mix(float a, float b, float t) noexcept {
   return a + (b - a) * t;
 }
 
-// Largest depth of a contact, metres; deeper it saturates.
-double depthLimit(double unit) noexcept {
-  return kSaturationVoxels * unit;
-}
-
 }  // namespace
 
 template <int Bits>
@@ -238,11 +233,11 @@ void LeafTest<Bits>::fillDistance(const PlacedPoint& point, float depth, const f
     c.p[a] = point.p[a];
     c.n[a] = n[a];
   }
-  const double limit = depthLimit(unit_);
-  const auto exact = static_cast<double>(depth);
+  const double limit = kSaturationVoxels * unit_;
+  const bool saturated = depth >= static_cast<float>(limit);
   c.flags = 0;
-  if (exact > limit) c.flags |= kContactSaturated;
-  c.depth = std::clamp(exact, 0.0, limit);
+  if (saturated) c.flags |= kContactSaturated;
+  c.depth = saturated ? limit : std::max(0.0, static_cast<double>(depth));
   c.label = labelAt(point);
 }
 

@@ -23,8 +23,8 @@ struct PackedContacts {
 
   std::size_t count = 0;
   std::vector<std::uint32_t> index;  ///< Of the shell's point.
-  std::vector<float> depth;          ///< Penetration, metres, >= 0; not cut off at saturation.
-  std::vector<float> nx, ny, nz;     ///< Outward unit normal of the anatomy, V.
+  std::vector<float> depth;  ///< Penetration, metres, >= 0; 16 smallest spacings where saturated.
+  std::vector<float> nx, ny, nz;  ///< Outward unit normal of the anatomy, V.
 };
 
 }  // namespace palpate

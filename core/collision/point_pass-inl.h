@@ -205,16 +205,16 @@ HWY_INLINE VI dot(VI a, VI b) {
 #endif
 }
 
-HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const PointWork& work,
-                         std::size_t slot, float metresPerStep, PackedContacts& out) {
+HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const PointWork& points,
+                         std::size_t slot, const FastWork& work, PackedContacts& out) {
   const DF d;
   const DI di;
   const DU du;
   for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
-    const Rows rows = decode(work, slot + l);
-    const VI wx = hn::Load(di, work.wx + slot + l);
-    const VF fy = hn::Load(d, work.fy + slot + l);
-    const VF fz = hn::Load(d, work.fz + slot + l);
+    const Rows rows = decode(points, slot + l);
+    const VI wx = hn::Load(di, points.wx + slot + l);
+    const VF fy = hn::Load(d, points.fy + slot + l);
+    const VF fz = hn::Load(d, points.fz + slot + l);
     const VF r0 = hn::ConvertTo(d, dot(rows.v[0], wx));
     const VF r1 = hn::ConvertTo(d, dot(rows.v[1], wx));
     const VF r2 = hn::ConvertTo(d, dot(rows.v[2], wx));
@@ -222,7 +222,7 @@ HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const Po
     const VF s0 = mix(r0, r1, fy);
     const VF s1 = mix(r2, r3, fy);
     const VF value = mix(s0, s1, fz);
-    const auto hit = hn::Lt(value, hn::Load(d, work.limit + slot + l));
+    const auto hit = hn::Lt(value, hn::Load(d, points.limit + slot + l));
     if (hn::AllFalse(d, hit)) continue;
     const VI step = hn::Set(di, (1 << 16) | 0xFFFF);  // −1, +1
     const VF x0 = hn::ConvertTo(d, dot(rows.v[0], step));
@@ -236,7 +236,9 @@ HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const Po
     const std::size_t n = out.count;
     const Packer<DF> packer(hit);
     packer.store(hn::Load(du, leaf.index + l), &out.index[n]);
-    packer.store(hn::Mul(value, hn::Set(d, -metresPerStep)), &out.depth[n]);
+    packer.store(
+        hn::Min(hn::Mul(value, hn::Set(d, -work.metresPerStep)), hn::Set(d, work.depthLimit)),
+        &out.depth[n]);
     packer.store(gx, &out.nx[n]);
     packer.store(gy, &out.ny[n]);
     packer.store(gz, &out.nz[n]);
@@ -280,7 +282,7 @@ HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t
     }
     fetchDepths(frame, n, points);
     for (std::size_t i = 0; i < n; ++i) {
-      evaluate(decode, leaves[work.frontier[first + i]], points, i * 16, work.metresPerStep, out);
+      evaluate(decode, leaves[work.frontier[first + i]], points, i * 16, work, out);
     }
     normalise(frame, from, out);
   }

@@ -43,7 +43,7 @@ struct QueryWork {
 
   std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
   PaperWork paper;
-  FastWork fast;                                      ///< Distance leaves, many points at a time.
+  FastWork fast;  ///< Distance leaves, many points at a time.
   PackedContacts packed;
   std::vector<std::uint32_t> rankOf;  ///< Shell index -> rank; distance leaves.
   VoxelMemo memo;

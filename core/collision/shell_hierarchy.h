@@ -47,7 +47,7 @@ struct PointShell::Data {
   std::vector<Eigen::Vector3d> points_T, normals_T;
   double reach = 0.0;
   ShellHierarchy hierarchy;
-  ShellBlocks blocks;  ///< The same, side by side.
+  ShellBlocks blocks;             ///< The same, side by side.
   std::optional<VoxelBody> body;  ///< Of a voxel body: its own trees.
 };
 
