@@ -71,15 +71,18 @@ Result<VoxelBits> selectVoxels(const LabelGrid& grid, std::span<const std::uint8
   return solid;
 }
 
+// Links between nodes are topology; level 1 has none, it links to what its leaves carry.
 void fillStats(VoxelTree::Data& data) {
   TreeStats& stats = data.stats;
   stats.levels = data.levels;
   const std::size_t maskBytes = (std::size_t{1} << (3 * data.bits)) / 8;
   for (std::size_t l = 1; l < data.level.size(); ++l) {
-    stats.nodesPerLevel.push_back(data.level[l].masks.size() / maskBytes);
-    stats.topologyBytes += data.level[l].masks.bytes() + data.level[l].firstChild.bytes();
+    const TreeLevel& level = data.level[l];
+    stats.nodesPerLevel.push_back(level.masks.size() / maskBytes);
+    stats.topologyBytes += level.masks.bytes() + (l > 1 ? level.firstChild.bytes() : 0);
   }
-  stats.payloadBytes = data.leafBytes.bytes() + data.depth.bytes();
+  stats.payloadBytes =
+      data.level[1].firstChild.bytes() + data.leafBytes.bytes() + data.depth.bytes();
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ struct TreeStats {
   std::vector<std::size_t> nodesPerLevel;  ///< [0] = level 1 ... back() = root.
   std::size_t surfaceVoxels = 0;
   std::size_t solidVoxels = 0;
-  std::size_t topologyBytes = 0;  ///< Masks and links.
-  std::size_t payloadBytes = 0;   ///< Normals, depths, labels.
+  std::size_t topologyBytes = 0;  ///< Masks and links between nodes.
+  std::size_t payloadBytes = 0;   ///< Depths, labels, clearances, and the links to them.
   double buildMs = 0.0;
 };
 

@@ -156,9 +156,10 @@ TEST(VoxelTree, StatisticsCountWhatIsThere) {
     EXPECT_EQ(tree->stats().levels, levels[b]);
     EXPECT_EQ(tree->stats().nodesPerLevel,
               std::vector<std::size_t>(static_cast<std::size_t>(levels[b]), 1));
-    const std::size_t perNode = static_cast<std::size_t>(kBranchings[b]) / 8 + 4;
-    EXPECT_EQ(tree->stats().topologyBytes, static_cast<std::size_t>(levels[b]) * perNode);
-    EXPECT_EQ(tree->stats().payloadBytes, 1U);  // six bits
+    const std::size_t mask = static_cast<std::size_t>(kBranchings[b]) / 8;
+    const auto depth = static_cast<std::size_t>(levels[b]);
+    EXPECT_EQ(tree->stats().topologyBytes, depth * mask + (depth - 1) * 4);
+    EXPECT_EQ(tree->stats().payloadBytes, 4U + 1U);  // a link to six bits
     EXPECT_GT(tree->stats().buildMs, 0.0);
   }
 }
