@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/setting_report.h"
 #include "app/text_table.h"
+#include "core/voxels/tree_cache.h"
 #include "core/voxels/voxel_tree.h"
 #include "imaging/case_folder.h"
 
@@ -50,7 +51,7 @@ CommandOutput reportTree(const TreeStats& stats) {
   table.add({"surface voxels", std::to_string(stats.surfaceVoxels)});
   table.add({"solid voxels", std::to_string(stats.solidVoxels)});
   table.add({"topology", byteSize(stats.topologyBytes)});
-  table.add({"normals, depths, labels", byteSize(stats.payloadBytes)});
+  table.add({"depths, labels, clearances", byteSize(stats.payloadBytes)});
   table.add({"built in", decimal(stats.buildMs, 1) + " ms"});
   output.text = nodes.text() + "\n" + table.text();
   return output;
@@ -70,7 +71,12 @@ Result<CommandOutput> runTree(const TreeCommandOptions& options, const CommandCo
   const Result<VoxelTree> tree =
       VoxelTree::build(*labels, std::span(&*value, 1), treeOptions, context.progress);
   if (!tree) return fail(tree.error());
-  return reportTree(tree->stats());
+  // Left in the case, so that simulate and the desktop need not build it again.
+  const std::uint64_t source = treeSourceFingerprint(*labels, std::span(&*value, 1), treeOptions);
+  const auto kept = saveTreeCache(*tree, source, options.caseFolder / treeCacheName(source));
+  CommandOutput output = reportTree(tree->stats());
+  if (!kept) output.warnings.push_back(kept.error().message);
+  return output;
 }
 
 }  // namespace

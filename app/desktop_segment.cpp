@@ -189,24 +189,24 @@ void Desktop::prepare() {
     if (instruments_[i].name == instrument.name) model_.simulate.instrument = i;
   }
   workspace_->showInstrument(instrument);
-  jobs_.add("Building the sphere tree",
-            [this, scene = *scene, instrument, labels = open_->labels, table = open_->table,
-             materials = materials_](const Progress& progress) {
-              auto prepared = prepareScene(scene, labels, table, materials, instrument, progress);
-              return [this, prepared, labels] {
-                if (!open_ || open_->labels != labels) return;
-                if (!prepared) {
-                  model_.simulate.notReady = sentence(prepared.error());
-                  if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
-                  return;
-                }
-                simulation_.setScene(*prepared);
-                if (startAfterPrepare_) {
-                  startAfterPrepare_ = false;
-                  startStop();
-                }
-              };
-            });
+  jobs_.add("Building the sphere tree", [this, scene = *scene, instrument, labels = open_->labels,
+                                         table = open_->table, materials = materials_,
+                                         folder = open_->folder](const Progress& progress) {
+    auto prepared = prepareScene(scene, labels, table, materials, instrument, progress, folder);
+    return [this, prepared, labels] {
+      if (!open_ || open_->labels != labels) return;
+      if (!prepared) {
+        model_.simulate.notReady = sentence(prepared.error());
+        if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
+        return;
+      }
+      simulation_.setScene(*prepared);
+      if (startAfterPrepare_) {
+        startAfterPrepare_ = false;
+        startStop();
+      }
+    };
+  });
 }
 
 }  // namespace palpate

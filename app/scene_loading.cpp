@@ -96,7 +96,7 @@ Result<std::shared_ptr<const PreparedScene>> loadScene(const fs::path& caseOrSce
   const Result<LabelTable> table = readCaseLabelTable(place->caseFolder);
   if (!table) return fail(table.error());
   return prepareScene(*scene, std::make_shared<const LabelGrid>(std::move(*labels)), *table,
-                      *materials, *instrument, progress);
+                      *materials, *instrument, progress, place->caseFolder);
 }
 
 }  // namespace palpate

@@ -44,12 +44,15 @@ bool LeafTest<Bits>::locate(const PlacedPoint& point, Item& item) const noexcept
 
 template <int Bits>
 std::uint32_t LeafTest<Bits>::nodeOf(const Item& item) noexcept {
-  const Item key{item[0] >> Bits, item[1] >> Bits, item[2] >> Bits};
-  if (key != key_) {
-    key_ = key;
-    node_ = findNode<Bits>(tree_, item, 1);
+  const Item address{item[0] >> Bits, item[1] >> Bits, item[2] >> Bits};
+  const auto parity =
+      static_cast<std::size_t>((address[0] & 1) | (address[1] & 1) << 1 | (address[2] & 1) << 2);
+  Known& known = known_[parity];
+  if (address != known.address) {
+    known.address = address;
+    known.node = findNode<Bits>(tree_, item, 1);
   }
-  return node_;
+  return known.node;
 }
 
 template <int Bits>

@@ -87,7 +87,8 @@ struct DistanceSample {
   float gradient[3] = {0, 0, 0};  ///< The same a cell.
 };
 
-/// Remembers the last node that it found: points in the order of the hierarchy mostly share it.
+/// Remembers the last node that it found for each of the eight parities of addresses: points in the
+/// order of the hierarchy mostly share one, and the voxels around a voxel lie in at most eight.
 template <int Bits>
 class LeafTest {
  public:
@@ -126,8 +127,11 @@ class LeafTest {
   double unit_;          // the smallest spacing, metres
   float metresPerStep_;  // of DistanceSample::value
   float edge_[3];        // of a cell, smallest spacings
-  Item key_{-1, -1, -1};
-  std::uint32_t node_ = kNoNode;
+  struct Known {
+    Item address{-1, -1, -1};
+    std::uint32_t node = kNoNode;
+  };
+  std::array<Known, 8> known_;
 };
 
 extern template class LeafTest<1>;

@@ -6,6 +6,7 @@
 #include "core/simulation/fingerprint.h"
 #include "core/simulation/plan.h"
 #include "core/simulation/prepared_scene.h"
+#include "core/voxels/tree_cache.h"
 
 namespace palpate {
 namespace {
@@ -109,12 +110,10 @@ Progress share(const Progress& progress, double from, double to) {
 
 }  // namespace
 
-Result<std::shared_ptr<const PreparedScene>> prepareScene(const Scene& scene,
-                                                          std::shared_ptr<const LabelGrid> labels,
-                                                          const LabelTable& table,
-                                                          const std::vector<Material>& materials,
-                                                          const Instrument& instrument,
-                                                          const Progress& progress) {
+Result<std::shared_ptr<const PreparedScene>> prepareScene(
+    const Scene& scene, std::shared_ptr<const LabelGrid> labels, const LabelTable& table,
+    const std::vector<Material>& materials, const Instrument& instrument, const Progress& progress,
+    const std::filesystem::path& treeCache) {
   if (auto checked = checkGrid(*labels); !checked) return fail(checked.error());
   const auto felt = feltLabels(scene, table);
   if (!felt) return fail(felt.error());
@@ -129,8 +128,8 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(const Scene& scene,
   prepared->materials = materials;
   if (auto assigned = assignMaterials(*prepared, *felt); !assigned) return fail(assigned.error());
 
-  auto tree =
-      VoxelTree::build(*prepared->labels, *values, scene.setting.tree, share(progress, 0.0, 0.8));
+  auto tree = openOrBuildTree(*prepared->labels, *values, scene.setting.tree, treeCache,
+                              share(progress, 0.0, 0.8));
   if (!tree) return fail(tree.error());
   prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
   if (progress.cancelled()) return fail(cancelled());

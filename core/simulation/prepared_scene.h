@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,10 +43,11 @@ struct PreparedScene {
   std::uint64_t fingerprint = 0;  ///< Of labels, instrument and setting; in the session.
 };
 
-/// Refuses a label that the table does not have, and a case in which nothing is labelled.
+/// Refuses a label that the table does not have, and a case in which nothing is labelled. The tree
+/// is opened from, or left in, a cache file in `treeCache`, a case's folder, unless that is empty.
 [[nodiscard]] Result<std::shared_ptr<const PreparedScene>> prepareScene(
     const Scene& scene, std::shared_ptr<const LabelGrid> labels, const LabelTable& table,
     const std::vector<Material>& materials, const Instrument& instrument,
-    const Progress& progress = {});
+    const Progress& progress = {}, const std::filesystem::path& treeCache = {});
 
 }  // namespace palpate

@@ -7,7 +7,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <type_traits>
@@ -269,6 +271,53 @@ Result<VoxelTree> loadTreeCache(const std::filesystem::path& file, std::uint64_t
   std::shared_ptr<void> mapping(at, [size](void* p) { munmap(p, size); });
   auto tree = readCache(static_cast<char*>(at), size, mapping, source);
   if (!tree) return fail(Error(tree.error()).inFile(file.string()));
+  return tree;
+}
+
+std::string treeCacheName(std::uint64_t source) {
+  char name[32];
+  std::snprintf(name, sizeof name, "tree-%016llx.cache", static_cast<unsigned long long>(source));
+  return name;
+}
+
+namespace {
+
+// Trees of other labels or settings that a case keeps beside the newest.
+constexpr std::size_t kKept = 4;
+
+bool isTreeCache(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with("tree-") && name.ends_with(".cache");
+}
+
+void dropOldCaches(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (!isTreeCache(at->path())) continue;
+    const auto written = fs::last_write_time(at->path(), error);
+    if (!error) files.emplace_back(written, at->path());
+  }
+  std::sort(files.rbegin(), files.rend());
+  for (std::size_t i = kKept; i < files.size(); ++i) fs::remove(files[i].second, error);
+}
+
+}  // namespace
+
+Result<VoxelTree> openOrBuildTree(const LabelGrid& grid, std::span<const std::uint8_t> labels,
+                                  const TreeOptions& options, const std::filesystem::path& folder,
+                                  const Progress& progress) {
+  if (folder.empty()) return VoxelTree::build(grid, labels, options, progress);
+  const std::uint64_t source = treeSourceFingerprint(grid, labels, options);
+  const std::filesystem::path file = folder / treeCacheName(source);
+  if (auto kept = loadTreeCache(file, source)) {
+    progress(1.0, "Tree opened");
+    return kept;
+  }
+  auto tree = VoxelTree::build(grid, labels, options, progress);
+  // A cache that can't be written costs time the next time, and nothing else.
+  if (tree && saveTreeCache(*tree, source, file)) dropOldCaches(folder);
   return tree;
 }
 

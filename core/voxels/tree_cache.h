@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/progress.h"
 #include "core/voxels/voxel_tree.h"
 
 namespace palpate {
@@ -33,5 +34,17 @@ namespace palpate {
                                          const std::filesystem::path& file);
 [[nodiscard]] Result<VoxelTree> loadTreeCache(const std::filesystem::path& file,
                                               std::uint64_t source);
+
+/// The name of a source's cache file in a case's folder.
+[[nodiscard]] std::string treeCacheName(std::uint64_t source);
+
+/// The tree from its cache file in `folder`, or built and left there for the next time. A file that
+/// is refused is replaced; of several only the newest few stay. Where nothing can be written, or
+/// with an empty `folder`, the tree is simply built. Errors and progress as VoxelTree::build.
+[[nodiscard]] Result<VoxelTree> openOrBuildTree(const LabelGrid& grid,
+                                                std::span<const std::uint8_t> labels,
+                                                const TreeOptions& options,
+                                                const std::filesystem::path& folder,
+                                                const Progress& progress = {});
 
 }  // namespace palpate

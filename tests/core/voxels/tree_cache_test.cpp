@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 #define XXH_INLINE_ALL
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "core/voxels/voxel_tree_data.h"
@@ -116,6 +119,60 @@ TEST(TreeCache, AMissingFileIsRefused) {
   ASSERT_FALSE(tree);
   EXPECT_EQ(tree.error().message, "The tree's cache file cannot be read.");
   EXPECT_EQ(tree.error().file, "/nowhere/tree.cache");
+}
+
+class TreeCacheFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() /
+             ("palpate-tree-cache-" + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
+                                                  std::filesystem::directory_iterator()));
+  }
+  std::filesystem::path folder;
+};
+
+TEST_F(TreeCacheFolder, TheSecondTimeATreeIsOpenedAndTheSame) {
+  const auto grid = assortedGrids(65)[9].grid;
+  const auto built = openOrBuildTree(grid, {}, {}, folder);
+  ASSERT_TRUE(built);
+  EXPECT_EQ(files(), 1U);
+  std::vector<std::string> said;
+  Progress progress;
+  progress.report = [&](double, const std::string& what) { said.push_back(what); };
+  const auto opened = openOrBuildTree(grid, {}, {}, folder, progress);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(said, std::vector<std::string>{"Tree opened"});
+  EXPECT_EQ(treeToCache(*opened, 1), treeToCache(*built, 1));
+}
+
+TEST_F(TreeCacheFolder, ADamagedFileIsBuiltAnewAndReplaced) {
+  const auto grid = assortedGrids(66)[9].grid;
+  const auto built = openOrBuildTree(grid, {}, {}, folder);
+  const auto file = folder / treeCacheName(treeSourceFingerprint(grid, {}, {}));
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  const auto again = openOrBuildTree(grid, {}, {}, folder);
+  ASSERT_TRUE(built && again);
+  EXPECT_TRUE(loadTreeCache(file, treeSourceFingerprint(grid, {}, {})));
+}
+
+TEST_F(TreeCacheFolder, OnlyAFewTreesAreKeptAndOtherFilesStay) {
+  std::ofstream(folder / "labels.mha") << "mine";
+  auto grid = assortedGrids(67)[1].grid;
+  for (int i = 0; i < 9; ++i) {
+    grid.labels[static_cast<std::size_t>(i)] ^= 1;
+    ASSERT_TRUE(openOrBuildTree(grid, {}, {}, folder));
+  }
+  EXPECT_EQ(files(), 1U + 4U);
+  EXPECT_TRUE(std::filesystem::exists(folder / "labels.mha"));
+}
+
+TEST_F(TreeCacheFolder, AFolderThatCannotBeWrittenStillGivesATree) {
+  EXPECT_TRUE(openOrBuildTree(assortedGrids(68)[9].grid, {}, {}, folder / "missing"));
 }
 
 }  // namespace
