@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "core/collision/clearance_finder.h"
 #include "core/collision/contact_finder.h"
 #include "core/collision/voxel_body_shell.h"
 #include "tests/core/collision/oracle.h"
@@ -110,6 +111,31 @@ TEST(NoAllocation, AQueryTakesNoMemoryWhateverTheMethodAndOption) {
   const long before = allocations.load();
   const std::vector<int> probe(10);
   EXPECT_GT(allocations.load(), before) << "the count does not count";
+}
+
+TEST(NoAllocation, AClearanceTakesNoMemoryNearFarAndInside) {
+  std::mt19937 rng(29);
+  const auto grid = testing_volumes::assortedGrids(29)[9].grid;
+  const Eigen::Vector3d middle = oracle::middleOf(grid.geometry);
+  const PointShell shell = oracle::randomShell(rng, 3000, 0.6 * middle);
+  std::vector<Eigen::Isometry3d> poses;
+  for (const double spread : {5e-3, 5e-2, 5.0}) {
+    for (int i = 0; i < 20; ++i) poses.push_back(oracle::randomPose(rng, middle, spread));
+  }
+  poses.push_back(Eigen::Isometry3d::Identity());
+  poses.back().linear() *= 2;
+  for (const Branching branching :
+       {Branching::Children8, Branching::Children64, Branching::Children512}) {
+    const auto tree = VoxelTree::build(grid, {}, {branching, LeafModel::Voxel, false});
+    ASSERT_TRUE(tree);
+    auto finder = ClearanceFinder::create(*tree, shell, {1.0});
+    ASSERT_TRUE(finder);
+    int seen[3] = {0, 0, 0};
+    const long before = allocations.load();
+    for (const auto& X : poses) ++seen[static_cast<int>(finder->find(X).status)];
+    EXPECT_EQ(allocations.load(), before);
+    for (const int times : seen) EXPECT_GT(times, 0);
+  }
 }
 
 }  // namespace
