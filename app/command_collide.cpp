@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/collide_clearance.h"
 #include "app/collide_files.h"
 #include "app/collide_options.h"
 #include "app/collide_trajectory.h"
@@ -26,6 +27,7 @@ struct CollideCommandOptions {
   std::string method = "hierarchy";
   std::vector<std::string> options;
   int repeats = 1, threads = 1;
+  CollideClearanceOptions clearance;
 };
 
 struct CollideInput {
@@ -33,6 +35,7 @@ struct CollideInput {
   PointShell shell;
   std::vector<TrajectoryPose> poses;
   std::vector<std::string> warnings;
+  std::optional<ClearanceWorld> clearance;
 };
 
 QueryMethod methodOf(const std::string& name) {
@@ -61,11 +64,17 @@ Result<CollideInput> readInput(const CollideCommandOptions& options, const TreeO
   auto shell = readShellOrBody(options, quiet);
   if (!shell) return fail(shell.error());
   context.progress(0.0, "Reading the world");
-  const auto grid = readLabelFile(options.world);
+  auto grid = readLabelFile(options.world);
   if (!grid) return fail(grid.error());
   auto world = VoxelTree::build(*grid, {}, treeOptions, context.progress);
   if (!world) return fail(Error(world.error()).inFile(options.world.string()));
-  CollideInput input{std::move(*world), std::move(*shell), std::move(*poses), {}};
+  CollideInput input{std::move(*world), std::move(*shell), std::move(*poses), {}, {}};
+  if (!options.clearance.file.empty()) {
+    auto clearance = buildClearanceWorld(std::move(*grid), options.clearance, treeOptions.branching,
+                                         treeOptions.threads, quiet);
+    if (!clearance) return fail(Error(clearance.error()).inFile(options.world.string()));
+    input.clearance.emplace(std::move(*clearance));
+  }
   if (!options.body.empty() && input.shell.size() > input.world.stats().surfaceVoxels) {
     input.warnings.emplace_back(
         "The body has more surface voxels than the world; with the two exchanged and the poses "
@@ -88,7 +97,8 @@ nlohmann::ordered_json optionsJson(const TreeOptions& tree, const QueryOptions& 
           {"threads", options.threads}};
 }
 
-std::string textReport(const CollideInput& input, const CollideQuantiles& times) {
+std::string textReport(const CollideInput& input, const CollideQuantiles& times,
+                       const std::vector<ClearanceStep>& clearances) {
   const TreeStats& stats = input.world.stats();
   TextTable table({"what", ""});
   table.add({"poses", std::to_string(input.poses.size())});
@@ -99,31 +109,50 @@ std::string textReport(const CollideInput& input, const CollideQuantiles& times)
   table.add({"step, median", decimal(times.p50, 2) + " µs"});
   table.add({"step, 99 of 100", decimal(times.p99, 2) + " µs"});
   table.add({"step, longest", decimal(times.max, 2) + " µs"});
+  if (input.clearance) {
+    const ClearanceStep* nearest = nearestOf(clearances);
+    table.add({"smallest clearance", nearest == nullptr
+                                         ? "out of reach"
+                                         : decimal(nearest->clearance_mm, 3) + " mm at step " +
+                                               std::to_string(nearest->step)});
+  }
   return table.text();
 }
 
-// Both files are complete before either gets its name.
+// All files are complete before any of them gets its name.
 Result<void> writeFiles(const CollideCommandOptions& options, const CollideInput& input,
                         const QueryOptions& query, const std::vector<CollideStep>& steps,
-                        const Progress& progress) {
+                        const std::vector<ClearanceStep>& clearances, const Progress& progress) {
   auto out = StagedFile::create(options.out);
   if (!out) return fail(out.error());
   (void)out->add(collideCsv(steps));
   if (auto ok = out->finish(); !ok) return ok;
-  if (options.contacts.empty()) return out->commit();
 
-  auto contacts = StagedFile::create(options.contacts);
-  if (!contacts) return fail(contacts.error());
-  const Eigen::Isometry3d& X_WV = input.world.geometry().X_PV;
-  if (contacts->add(kCollideContactsHeading)) {
-    auto all = forEachPoseContacts(input.world, input.shell, query, input.poses, progress,
-                                   [&](std::int64_t step, std::span<const Contact> found) {
-                                     return contacts->add(collideContactRows(step, found, X_WV));
-                                   });
-    if (!all) return all;
+  std::optional<StagedFile> clearance;
+  if (!options.clearance.file.empty()) {
+    auto staged = StagedFile::create(options.clearance.file);
+    if (!staged) return fail(staged.error());
+    (void)staged->add(clearanceCsv(clearances));
+    if (auto ok = staged->finish(); !ok) return ok;
+    clearance.emplace(std::move(*staged));
   }
-  if (auto ok = contacts->finish(); !ok) return ok;
-  if (auto ok = contacts->commit(); !ok) return ok;
+  if (!options.contacts.empty()) {
+    auto contacts = StagedFile::create(options.contacts);
+    if (!contacts) return fail(contacts.error());
+    const Eigen::Isometry3d& X_WV = input.world.geometry().X_PV;
+    if (contacts->add(kCollideContactsHeading)) {
+      auto all = forEachPoseContacts(input.world, input.shell, query, input.poses, progress,
+                                     [&](std::int64_t step, std::span<const Contact> found) {
+                                       return contacts->add(collideContactRows(step, found, X_WV));
+                                     });
+      if (!all) return all;
+    }
+    if (auto ok = contacts->finish(); !ok) return ok;
+    if (auto ok = contacts->commit(); !ok) return ok;
+  }
+  if (clearance) {
+    if (auto ok = clearance->commit(); !ok) return ok;
+  }
   return out->commit();
 }
 
@@ -141,7 +170,7 @@ Result<CommandOutput> runCollide(const CollideCommandOptions& options,
                     .inField("--shell")
                     .advise("'palpate collide --help' shows how."));
   }
-  for (const fs::path& output : {options.out, options.contacts}) {
+  for (const fs::path& output : {options.out, options.contacts, options.clearance.file}) {
     if (output.empty()) continue;
     if (auto ok = checkWritable(output); !ok) return fail(ok.error());
   }
@@ -152,7 +181,14 @@ Result<CommandOutput> runCollide(const CollideCommandOptions& options,
   const auto steps = runCollideTrajectory(input->world, input->shell, query, input->poses,
                                           options.repeats, measuring);
   if (!steps) return fail(Error(steps.error()).inFile(options.poses.string()));
-  if (auto ok = writeFiles(options, *input, query, *steps, measuring); !ok) return fail(ok.error());
+  Result<std::vector<ClearanceStep>> clearances;
+  if (input->clearance) {
+    clearances = runClearanceTrajectory(*input->clearance, input->shell, options.clearance,
+                                        input->poses, options.repeats, measuring);
+    if (!clearances) return fail(Error(clearances.error()).inFile(options.poses.string()));
+  }
+  auto written = writeFiles(options, *input, query, *steps, *clearances, measuring);
+  if (!written) return fail(written.error());
 
   const CollideQuantiles times = quantilesOf(*steps);
   CommandOutput output;
@@ -163,7 +199,8 @@ Result<CommandOutput> runCollide(const CollideCommandOptions& options,
       {"p50", times.p50}, {"p99", times.p99}, {"p999", times.p999}, {"max", times.max}};
   output.json["method"] = methodName(query.method);
   output.json["options"] = optionsJson(tree, query, options);
-  output.text = textReport(*input, times);
+  if (input->clearance) output.json["clearance"] = clearanceJson(options.clearance, *clearances);
+  output.text = textReport(*input, times, *clearances);
   output.warnings = input->warnings;
   return output;
 }
@@ -185,6 +222,7 @@ void addCollideCommand(CommandSet& commands) {
   sub->add_option("--out", options->out, "CSV: step,contacts,sum_depth_mm,tests,time_us")
       ->required();
   sub->add_option("--contacts", options->contacts, "CSV of every contact, world axes, mm");
+  addCollideClearanceOptions(*sub, options->clearance);
   sub->add_option("--leaf", options->leaf, "Leaf model")
       ->check(CLI::IsMember({"voxel", "distance"}))
       ->capture_default_str();

@@ -159,6 +159,97 @@ TEST_F(Collide, AVoxelBodyIsItsSurfaceVoxels) {
             self.json()["surface_voxels"].get<double>());
 }
 
+// The distance from p to the nearest voxel box of a label, mm; by trying them all.
+double distanceTo(const LabelGrid& grid, int label, const Eigen::Vector3d& p_mm) {
+  const GridGeometry& g = grid.geometry;
+  const Eigen::Vector3d p = g.X_PV.inverse() * (1e-3 * p_mm);
+  double nearest = HUGE_VAL;
+  for (int k = 0; k < g.dims[2]; ++k) {
+    for (int j = 0; j < g.dims[1]; ++j) {
+      for (int i = 0; i < g.dims[0]; ++i) {
+        if (grid.at(i, j, k) != label) continue;
+        const Eigen::Vector3d out = (p - g.centre_V(i, j, k)).cwiseAbs() - 0.5 * g.spacing;
+        nearest = std::min(nearest, out.cwiseMax(0.0).norm());
+      }
+    }
+  }
+  return 1e3 * nearest;
+}
+
+TEST_F(Collide, TheClearanceIsTheDistanceToTheChosenLabels) {
+  LabelGrid grid = obliqueBall();
+  for (int k = 0; k < 4; ++k) grid.labels[grid.geometry.index(2, 3, k)] = 7;  // a nerve
+  ASSERT_TRUE(writeLabelFile(grid, folder / "world.nrrd"));
+  for (const int label : {3, 7}) {
+    const ProgramRun run = palpate(arguments(
+        {"--clearance", at("clearance.csv"), "--clearance-labels", std::to_string(label)}));
+    ASSERT_EQ(run.exitCode, 0) << run.err;
+    std::string heading;
+    const auto rows = rowsOf(contentOf(folder / "clearance.csv"), heading);
+    EXPECT_EQ(heading, "step,clearance_mm,index,tool_x,tool_y,tool_z,x,y,z,label,time_us");
+    ASSERT_EQ(rows.size(), 3U);
+    double smallest = HUGE_VAL;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto& row = rows[i];
+      ASSERT_EQ(row.size(), 11U);
+      EXPECT_EQ(row[0], 10.0 + static_cast<double>(i));
+      // The rod: points every millimetre from its tip on, upwards, upwards, downwards.
+      const double tip = i == 1 ? 54 : 45;
+      const double side = i == 2 ? -1 : 1;
+      double nearest = HUGE_VAL;
+      for (int n = 0; n < 20; ++n) {
+        nearest = std::min(nearest, distanceTo(grid, label, {12, -30, tip + side * n}));
+      }
+      EXPECT_NEAR(row[1], nearest, 1e-6);
+      EXPECT_NEAR(
+          (Eigen::Vector3d(row[3], row[4], row[5]) - Eigen::Vector3d(12, -30, tip + side * row[2]))
+              .norm(),
+          0, 1e-6);
+      const Eigen::Vector3d anatomy(row[6], row[7], row[8]);
+      EXPECT_NEAR((anatomy - Eigen::Vector3d(row[3], row[4], row[5])).norm(), row[1], 1e-6);
+      EXPECT_NEAR(distanceTo(grid, label, anatomy), 0, 1e-6);
+      EXPECT_EQ(row[9], label);
+      smallest = std::min(smallest, row[1]);
+    }
+    EXPECT_EQ(smallest == 0, label == 3) << "the rod is in the ball and beside the nerve";
+    const json result = run.json()["clearance"];
+    EXPECT_EQ(result["labels"], json::array({label}));
+    EXPECT_EQ(result["min_mm"].get<double>(), smallest);
+    EXPECT_EQ(result["beyond_reach"], 0);
+  }
+  // Of all labels the nearer.
+  const ProgramRun all = palpate(arguments({"--clearance", at("clearance.csv")}));
+  ASSERT_EQ(all.exitCode, 0) << all.err;
+  std::string heading;
+  for (const auto& row : rowsOf(contentOf(folder / "clearance.csv"), heading)) {
+    EXPECT_EQ(row[9], 3);
+  }
+}
+
+TEST_F(Collide, WhatIsOutOfReachSaysSo) {
+  const ProgramRun run =
+      palpate(arguments({"--clearance", at("clearance.csv"), "--clearance-reach", "0.5"}));
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  const std::string csv = contentOf(folder / "clearance.csv");
+  EXPECT_THAT(csv, testing::HasSubstr("\n11,inf,,,,,,,,,"));
+  EXPECT_THAT(csv, testing::HasSubstr("\n10,0,0,"));
+  EXPECT_EQ(run.json()["clearance"]["beyond_reach"], 1);
+  EXPECT_EQ(run.json()["clearance"]["min_step"], 10);
+}
+
+TEST_F(Collide, AClearanceToALabelThatIsNotThereIsRefused) {
+  const ProgramRun run =
+      palpate(arguments({"--clearance", at("clearance.csv"), "--clearance-labels", "3,9"}));
+  expectRefused(run, 3, "input-refused");
+  EXPECT_THAT(run.err, testing::HasSubstr("Field: --clearance-labels. Found: 9. Expected: some of "
+                                          "3."));
+  expectRefused(palpate(arguments({"--clearance-labels", "3"})), 2, "usage");
+  expectRefused(palpate(arguments({"--clearance", at("c.csv"), "--clearance-labels", "0"})), 2,
+                "usage");
+  EXPECT_FALSE(std::filesystem::exists(folder / "clearance.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.csv"));
+}
+
 TEST_F(Collide, WrongInputIsRefusedAndNothingIsWritten) {
   writeText(folder / "poses.csv", std::string(kPosesHeading) + "0,2,0,0,0,0,1,0,0,0,0,1,0\n");
   const ProgramRun skewed = palpate(arguments());
