@@ -235,6 +235,7 @@ Result<VoxelTree> readCache(char* bytes, std::size_t size, std::shared_ptr<void>
   if (!countable || !reader.atEnd() || !holds(*data)) {
     return fail(refused("The tree's cache file contradicts itself."));
   }
+  data->stats.levels = data->levels;
   data->spheres = SphereTable(data->bits, data->geometry.spacing);
   data->depth.palette = DepthPalette(data->geometry.spacing);
   return VoxelTree::adopt(std::move(data));

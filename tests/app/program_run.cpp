@@ -125,6 +125,7 @@ void writeText(const fs::path& file, const std::string& text) {
 std::vector<std::string> listing(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() == ".cache") continue;  // interface: may be there, may be deleted
     names.push_back(fs::relative(entry.path(), folder).string());
   }
   std::sort(names.begin(), names.end());

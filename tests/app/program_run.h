@@ -49,7 +49,7 @@ struct RunSettings {
 
 [[nodiscard]] std::string contentOf(const std::filesystem::path& file);
 void writeText(const std::filesystem::path& file, const std::string& text);
-/// Every file and folder below, sorted: to see that nothing was left behind.
+/// Every file and folder below but caches, sorted: to see that nothing was left behind.
 [[nodiscard]] std::vector<std::string> listing(const std::filesystem::path& folder);
 
 /// A ball of 1000 HU, radius 12 mm, in air of -1000 HU: 40 x 40 x `slices` voxels of 1 mm, .mha.

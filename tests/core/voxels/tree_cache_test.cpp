@@ -37,7 +37,12 @@ TEST(TreeCache, GivesTheSameTreeBack) {
         const auto back = treeFromCache(bytes, 5);
         ASSERT_TRUE(back) << back.error().message;
         EXPECT_EQ(treeToCache(*back, 5), bytes);
+        EXPECT_EQ(back->stats().levels, tree->stats().levels);
         EXPECT_EQ(back->stats().nodesPerLevel, tree->stats().nodesPerLevel);
+        EXPECT_EQ(back->stats().surfaceVoxels, tree->stats().surfaceVoxels);
+        EXPECT_EQ(back->stats().solidVoxels, tree->stats().solidVoxels);
+        EXPECT_EQ(back->stats().topologyBytes, tree->stats().topologyBytes);
+        EXPECT_EQ(back->stats().payloadBytes, tree->stats().payloadBytes);
         EXPECT_EQ(back->geometry().dims, grid.geometry.dims);
         EXPECT_EQ(back->data().spheres.fullRadius(1), tree->data().spheres.fullRadius(1));
       }
