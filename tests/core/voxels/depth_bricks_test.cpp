@@ -173,13 +173,13 @@ TEST(DepthBricks, ClearancesNeverExceedTheDistanceToTheContactRegion) {
         for (int x = 0; x < d.blocks[0]; ++x) {
           const std::uint32_t word = d.coarse[d.blockAt(x, y, z)];
           if ((word & ClearanceWord::kLink) != 0) continue;
-          check(word, {16 * x, 16 * y, 16 * z}, 16, ClearanceWord::kCoarseSteps, 40);
+          check(word, {16 * x, 16 * y, 16 * z}, 16, ClearanceWord::kCoarseSteps, 24);
         }
       }
     }
     std::size_t blocks = 0;
     forEachWord(d, dims, [&](const Cell&, std::size_t) { ++blocks; });
-    const auto places = static_cast<std::uint32_t>(std::max<std::size_t>(1, blocks / 400));
+    const auto places = static_cast<std::uint32_t>(std::max<std::size_t>(1, blocks / 250));
     forEachWord(d, dims, [&](const Cell& block, std::size_t at) {
       if (rng() % places != 0) return;
       const std::uint32_t word = d.words[at];
