@@ -183,7 +183,7 @@ class BrickBuilder {
     firstDeep_ = static_cast<std::uint32_t>(bricks_.slots.size() / DepthBricks::kSlotWords);
     appendDeepBricks(bricks_.palette, bricks_.slots);
     Int3 extent;
-    for (std::size_t a = 0; a < 3; ++a) extent[a] = bricks_.blocks[a] * 4;
+    for (std::size_t a = 0; a < 3; ++a) extent[a] = (cells_.extent[a] + 3) / 4;
     VoxelBits deep(extent);
     for (std::size_t t = 0; t < plan_.size(); ++t) {
       const Int3 block = blockOf(t);
