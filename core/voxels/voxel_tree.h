@@ -4,7 +4,8 @@
 /// Source: Ruffaldi et al., "Voxel-Based Haptic Rendering Using Implicit Sphere Trees", 2008,
 /// section 3.1, with the errata of the design. A node is its occupancy mask and where its children
 /// begin; level, centre and bounding sphere are computed on the way down; the root carries the
-/// level. Frame V of the label grid; metres. Immutable once built; any thread may read it.
+/// level. Frame V of the label grid; metres. Any thread may read it, but not while a TreeEditor
+/// (tree_editor.h), the only thing that changes it, is at work.
 
 #include <array>
 #include <cstddef>
@@ -64,6 +65,7 @@ class VoxelTree {
   [[nodiscard]] const Data& data() const noexcept { return *data_; }
 
  private:
+  friend class TreeEditor;  // changes the arrays in place
   explicit VoxelTree(std::unique_ptr<Data> data) noexcept;
   [[nodiscard]] static Result<std::unique_ptr<Data>> buildData(const LabelGrid& grid,
                                                                std::span<const std::uint8_t> labels,

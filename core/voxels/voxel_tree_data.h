@@ -23,7 +23,8 @@ namespace palpate {
 
 inline constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 
-/// The nodes of one level, breadth-first: children of one node are neighbours in the level below.
+/// The nodes of one level: children of one node are neighbours in the level below. Breadth-first as
+/// built; a TreeEditor leaves places that nothing links to, with empty masks.
 struct TreeLevel {
   LargeArray<std::uint8_t> masks;        ///< children/8 bytes a node.
   LargeArray<std::uint32_t> firstChild;  ///< Index in the level below; at level 1 the leaves' bytes
@@ -34,6 +35,7 @@ struct VoxelTree::Data {
   GridGeometry geometry;
   TreeOptions options;
   TreeStats stats;
+  std::uint64_t edits = 0;  ///< Times that it was changed, for readers that remember. Not cached.
 
   int bits = 2;    ///< Per axis and level: 1, 2, 3 for 8, 64, 512 children.
   int levels = 1;  ///< Level of the root.

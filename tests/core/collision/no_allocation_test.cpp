@@ -10,7 +10,9 @@
 #include "core/collision/clearance_finder.h"
 #include "core/collision/contact_finder.h"
 #include "core/collision/voxel_body_shell.h"
+#include "core/voxels/tree_editor.h"
 #include "tests/core/collision/oracle.h"
+#include "tests/core/voxels/random_edits.h"
 #include "tests/core/voxels/test_volumes.h"
 
 namespace {
@@ -135,6 +137,33 @@ TEST(NoAllocation, AClearanceTakesNoMemoryNearFarAndInside) {
     for (const auto& X : poses) ++seen[static_cast<int>(finder->find(X).status)];
     EXPECT_EQ(allocations.load(), before);
     for (const int times : seen) EXPECT_GT(times, 0);
+TEST(NoAllocation, EditsWithinTheReservedBoxTakeNoMemory) {
+  constexpr std::uint32_t kSeed = 61;
+  std::mt19937 rng(kSeed);
+  for (const std::size_t which : {std::size_t{1}, std::size_t{9}}) {  // three labels; one
+    const auto grid = testing_volumes::assortedGrids(kSeed)[which].grid;
+    for (const LeafModel leaf : {LeafModel::Voxel, LeafModel::Distance}) {
+      for (const Branching branching :
+           {Branching::Children8, Branching::Children64, Branching::Children512}) {
+        auto tree = VoxelTree::build(grid, {}, {branching, leaf, false});
+        ASSERT_TRUE(tree);
+        auto editor = TreeEditor::create(*tree);
+        ASSERT_TRUE(editor);
+        editor->separateLabels();
+        editor->reserve({0, 0, 0}, grid.geometry.dims);
+        std::size_t changed = 0;
+        for (int round = 0; round < 60; ++round) {
+          const auto edit = testing_volumes::randomEdit(rng, grid.geometry, 3);
+          const long before = allocations.load();
+          const EditResult result =
+              edit.label == 0 ? editor->remove(edit.voxels) : editor->add(edit.voxels, edit.label);
+          EXPECT_EQ(allocations.load(), before) << edit.name << ", seed " << kSeed;
+          EXPECT_FALSE(result.tookMemory);  // large arrays map theirs
+          changed += result.changed;
+        }
+        EXPECT_GT(changed, 0U);
+      }
+    }
   }
 }
 
