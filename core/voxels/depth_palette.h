@@ -50,6 +50,9 @@ class DepthPalette {
 
   /// Signed D in s: > 0 outside. Exact to single precision.
   [[nodiscard]] float value(std::uint16_t code) const noexcept { return value_[code]; }
+  /// The signed square of a code that is not a rung, > 0 outside; of kFarCode and the deepest the
+  /// least that they stand for.
+  [[nodiscard]] float square(std::uint16_t code) const noexcept { return square_[code]; }
   /// The same in whole steps: value · stepsPerUnit, rounded.
   [[nodiscard]] std::int16_t steps(std::uint16_t code) const noexcept { return steps_[code]; }
   [[nodiscard]] const std::int16_t* stepsTable() const noexcept { return steps_.data(); }

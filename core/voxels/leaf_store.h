@@ -57,6 +57,48 @@ class LeafStore {
     forEachChild(mask, [&](int c) { node.label[static_cast<std::size_t>(c)] = *label++; });
   }
 
+  /// The codes of a node of so many voxels alone, by rank; up to three more may be written.
+  static constexpr std::size_t kRanks = Mask::kChildren + 3;
+  void readCodes(std::uint32_t link, int count, std::uint16_t* codes) const noexcept {
+    const std::uint8_t* from = bytes_.data() + (link & ~kWideLeaves);
+    std::uint32_t word = 0;
+    if ((link & kWideLeaves) != 0) {
+      for (int r = 0; r < count; r += 2, from += 3) {
+        std::memcpy(&word, from, sizeof word);
+        codes[r] = static_cast<std::uint16_t>(word & 4095U);
+        codes[r + 1] = static_cast<std::uint16_t>(word >> 12 & 4095U);
+      }
+    } else {
+      for (int r = 0; r < count; r += 4, from += 3) {
+        std::memcpy(&word, from, sizeof word);
+        for (int i = 0; i < 4; ++i) {
+          codes[r + i] = static_cast<std::uint16_t>(word >> (6 * i) & 63U);
+        }
+      }
+    }
+  }
+  /// Puts others in their place, as wide as they are; false, and nothing is written, where they
+  /// need to be wider. What lies behind the count must be zeros, three at least.
+  bool writeCodes(std::uint32_t link, int count, const std::uint16_t* codes) noexcept {
+    std::uint8_t* to = bytes_.data() + (link & ~kWideLeaves);
+    std::size_t left = leafCodeBytes(static_cast<std::size_t>(count), (link & kWideLeaves) != 0);
+    const bool wide = (link & kWideLeaves) != 0;
+    if (!wide) {
+      std::uint16_t any = 0;
+      for (int r = 0; r < count; ++r) any = static_cast<std::uint16_t>(any | codes[r]);
+      if (any >= DepthPalette::kNarrow) return false;
+    }
+    for (int r = 0; r < count; r += wide ? 2 : 4, to += 3) {
+      const std::uint32_t word = wide ? codes[r] | static_cast<std::uint32_t>(codes[r + 1]) << 12
+                                      : codes[r] | static_cast<std::uint32_t>(codes[r + 1]) << 6 |
+                                            static_cast<std::uint32_t>(codes[r + 2]) << 12 |
+                                            static_cast<std::uint32_t>(codes[r + 3]) << 18;
+      std::memcpy(to, &word, std::min<std::size_t>(left, 3));
+      left -= std::min<std::size_t>(left, 3);
+    }
+    return true;
+  }
+
   /// Writes a node that had `before` voxels at `link` (0: none); gives its link. `mask` is not
   /// empty.
   [[nodiscard]] std::uint32_t write(const Mask& mask, std::uint32_t link, int before,

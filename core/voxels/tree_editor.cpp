@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <string>
+#include <cstring>
+#include <vector>
 
 #include "core/voxels/brick_store.h"
 #include "core/voxels/clearance_edit.h"
@@ -69,6 +70,7 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
         window_(palette_, dims_, windowFor(deepReach_, kTile + 2 * DepthBricks::kEdge), Band::Both),
         near_(palette_, dims_, windowFor(nearReach_, kTile), Band::Outside),
         brick_(palette_, dims_, {5, 5, 5}, Band::Both) {
+    fillTables();
     if (distance_) {
       readBricks();
     } else {
@@ -82,8 +84,14 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   void compact() override;
 
  private:
+  void fillTables();
   void readLeaves();
   void readBricks();
+  [[nodiscard]] std::uint16_t depthCode(float square) const noexcept {
+    if (square >= palette_.deepSquare()) return palette_.deepestCode();
+    return codeOfSquare_.empty() ? palette_.codeOf(-square)
+                                 : codeOfSquare_[static_cast<std::size_t>(square)];
+  }
 
   bool mark(std::span<const Voxel> voxels);
   void countSurface();
@@ -95,7 +103,15 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   void editLeafNodes(const VoxelBox& box);
   void editCellNodes(const VoxelBox& box);
 
-  void editLeafDepths(const VoxelBox& box);
+  struct FoundNode {
+    Address at;
+    std::uint32_t node;
+  };
+  VoxelBox findNodes(const VoxelBox& box);
+  void readSquares(const Address& at, const Mask& mask, float beyond);
+  void writeNode(const FoundNode& found, const Mask& mask, int count);
+  void carveLeaves(const VoxelBox& box);
+  void fillLeaves(const VoxelBox& box);
   void editBrickDepths(const VoxelBox& box);
   [[nodiscard]] bool brickHasVoxels(const Address& block) const noexcept;
   template <class F>
@@ -123,9 +139,37 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   std::size_t count_ = 0;
   std::uint8_t label_ = 0;
   typename LeafStore<Bits>::Node node_;
+  std::vector<FoundNode> found_;                              // as many as a window may hold
+  std::array<std::uint16_t, LeafStore<Bits>::kRanks> ranks_;  // codes of a node
+  std::array<float, Mask::kChildren> square_;                 // beside them
   BrickStore::Codes codes_;
   BrickStore::Labels labels_;
+
+  // Squares of depths by code, and codes by square where these are whole numbers.
+  std::vector<float> depthSquare_;
+  std::vector<std::uint16_t> codeOfSquare_;
 };
+
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::fillTables() {
+  for (std::uint16_t code = 0; code <= palette_.deepestCode(); ++code) {
+    depthSquare_.push_back(-palette_.square(code));
+  }
+  depthSquare_.back() = palette_.deepSquare();  // from there on
+  if (palette_.weight() == std::array<float, 3>{1, 1, 1}) {
+    const auto squares = static_cast<std::size_t>(palette_.deepSquare()) + 1;
+    for (std::size_t n = 0; n < squares; ++n) {
+      codeOfSquare_.push_back(palette_.codeOf(-static_cast<float>(n)));
+    }
+  }
+  if (distance_) return;
+  std::size_t nodes = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int32_t voxels = std::min(kTile + 2 * deepReach_[a], dims_[a]);
+    nodes *= static_cast<std::size_t>((voxels + Mask::kEdge - 2) / Mask::kEdge + 1);
+  }
+  found_.reserve(nodes);
+}
 
 // ---- what the tree knows of its voxels ----
 
@@ -351,36 +395,141 @@ void TreeEditor::WorkOf<Bits>::editCellNodes(const VoxelBox& box) {
 
 // ---- depths of voxel leaves ----
 
+// The nodes of level 1 that may have a depth that a change in the box makes other, and the box
+// around them: a depth is other only where it was no less than the distance to the change.
 template <int Bits>
-void TreeEditor::WorkOf<Bits>::editLeafDepths(const VoxelBox& box) {
-  const bool adding = label_ != 0;
+VoxelBox TreeEditor::WorkOf<Bits>::findNodes(const VoxelBox& box) {
   const VoxelBox band = box.grown(deepReach_, dims_);
-  if (adding) {
-    window_.measure(solid_, band, Band::Both);
-  } else {
-    window_.measureTo(changed_, box, band);
-  }
   const Address lo{band.lo[0] >> Bits, band.lo[1] >> Bits, band.lo[2] >> Bits};
   const Address hi{(band.hi[0] - 1) >> Bits, (band.hi[1] - 1) >> Bits, (band.hi[2] - 1) >> Bits};
-  const float sign = adding ? 1.0f : -1.0f;  // squares inside are negative
-  groups_.visit(lo, hi, [&](const Address& at, std::uint32_t n) {
-    const Mask mask = Mask::load(data_.level[1].masks.data(), n);
-    std::uint32_t& link = data_.level[1].firstChild[n];
-    leaves_.read(mask, link, node_);
+  const std::array<float, 3>& weight = palette_.weight();
+  // Where all narrow codes are outside, narrow nodes only hold voxels without a depth yet.
+  const auto lastNarrow =
+      std::min<std::uint16_t>(DepthPalette::kNarrow - 1, palette_.deepestCode());
+  const float narrow = std::max(0.0f, depthSquare_[lastNarrow]);
+  VoxelBox all{dims_, {0, 0, 0}};
+  found_.clear();
+  groups_.visit(lo, hi, [&](const Address& at, std::uint32_t node) {
+    float gap = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int32_t below = box.lo[a] - (at[a] * Mask::kEdge + Mask::kEdge - 1);
+      const std::int32_t above = at[a] * Mask::kEdge - (box.hi[a] - 1);
+      const auto d = static_cast<float>(std::max({0, below, above}));
+      gap += weight[a] * (d * d);
+    }
+    const bool wide = (data_.level[1].firstChild[node] & kWideLeaves) != 0;
+    if (gap > (wide ? palette_.deepSquare() : narrow)) return;
+    found_.push_back({at, node});
+    for (std::size_t a = 0; a < 3; ++a) {
+      all.lo[a] = std::min(all.lo[a], at[a] * Mask::kEdge);
+      all.hi[a] = std::max(all.hi[a], (at[a] + 1) * Mask::kEdge);
+    }
+  });
+  return all.grown({0, 0, 0}, dims_);
+}
+
+// The window's squares of a node's voxels by rank; `beyond` where the window does not reach.
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::readSquares(const Address& at, const Mask& mask, float beyond) {
+  const VoxelBox& box = window_.box();
+  const std::int32_t x = at[0] * Mask::kEdge;
+  const bool within = x >= box.lo[0] && x + Mask::kEdge <= box.hi[0];
+  std::size_t rank = 0;
+  for (int row = 0; row < Mask::kEdge * Mask::kEdge; ++row) {
+    const int c = row * Mask::kEdge;
+    auto bits =
+        static_cast<std::uint32_t>(mask.word[static_cast<std::size_t>(c) >> 6] >> (c & 63)) &
+        ((1U << Mask::kEdge) - 1U);
+    if (bits == 0) continue;
+    const std::int32_t j = at[1] * Mask::kEdge + (row & Mask::kLow);
+    const std::int32_t k = at[2] * Mask::kEdge + (row >> Bits);
+    if (within && box.contains(box.lo[0], j, k) && bits == (1U << Mask::kEdge) - 1U) {
+      std::memcpy(&square_[rank], window_.row(j, k) + (x - box.lo[0]), Mask::kEdge * sizeof(float));
+      rank += Mask::kEdge;
+      continue;
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      const std::int32_t i = x + std::countr_zero(bits);
+      square_[rank++] = box.contains(i, j, k) ? window_.at(i, j, k) : beyond;
+    }
+  }
+}
+
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::writeNode(const FoundNode& found, const Mask& mask, int count) {
+  std::uint32_t& link = data_.level[1].firstChild[found.node];
+  std::fill_n(ranks_.begin() + count, 3, std::uint16_t{0});
+  if (leaves_.writeCodes(link, count, ranks_.data())) return;
+  leaves_.read(mask, link, node_);  // for its labels
+  std::size_t rank = 0;
+  forEachChild(mask, [&](int c) { node_.code[static_cast<std::size_t>(c)] = ranks_[rank++]; });
+  link = leaves_.write(mask, link, count, node_);
+}
+
+// Depths are at most the distance to what was removed.
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::carveLeaves(const VoxelBox& box) {
+  const VoxelBox around = findNodes(box);
+  if (found_.empty()) return;
+  window_.measureTo(changed_, box, around);
+  for (const FoundNode& found : found_) {
+    const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
+    const int count = mask.count();
+    readSquares(found.at, mask, HUGE_VALF);
+    leaves_.readCodes(data_.level[1].firstChild[found.node], count, ranks_.data());
+    bool some = false;
+    for (std::size_t r = 0; r < static_cast<std::size_t>(count); ++r) {
+      if (square_[r] >= depthSquare_[ranks_[r]]) continue;
+      const std::uint16_t code = depthCode(square_[r]);
+      some = some || code != ranks_[r];
+      ranks_[r] = code;
+    }
+    if (some) writeNode(found, mask, count);
+  }
+}
+
+// Depths that were the distance to what was added, and those of what was added, are found anew.
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::fillLeaves(const VoxelBox& box) {
+  const VoxelBox around = findNodes(box);
+  window_.measureTo(changed_, box, around);
+  VoxelBox again{dims_, {0, 0, 0}};
+  std::size_t kept = 0;
+  for (const FoundNode& found : found_) {
+    const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
+    readSquares(found.at, mask, HUGE_VALF);
+    leaves_.readCodes(data_.level[1].firstChild[found.node], mask.count(), ranks_.data());
+    std::size_t rank = 0;
     bool some = false;
     forEachChild(mask, [&](int c) {
-      const std::int32_t i = at[0] * Mask::kEdge + (c & Mask::kLow);
-      const std::int32_t j = at[1] * Mask::kEdge + ((c >> Bits) & Mask::kLow);
-      const std::int32_t k = at[2] * Mask::kEdge + (c >> (2 * Bits));
-      if (!band.contains(i, j, k)) return;
-      const std::uint16_t code = palette_.codeOf(sign * window_.at(i, j, k));
-      std::uint16_t& own = node_.code[static_cast<std::size_t>(c)];
-      if (adding ? code == own : code >= own) return;
-      own = code;
+      const std::uint16_t code = ranks_[rank];
+      const float square = square_[rank++];
+      // Added ones have no depth yet; they are at no distance to what was added.
+      if (square > 0.0f && (square != depthSquare_[code] || code == palette_.deepestCode())) return;
+      again.include({found.at[0] * Mask::kEdge + (c & Mask::kLow),
+                     found.at[1] * Mask::kEdge + ((c >> Bits) & Mask::kLow),
+                     found.at[2] * Mask::kEdge + (c >> (2 * Bits))});
       some = true;
     });
-    if (some) link = leaves_.write(mask, link, mask.count(), node_);
-  });
+    if (some) found_[kept++] = found;
+  }
+  found_.resize(kept);
+  if (kept == 0) return;
+  window_.measure(solid_, again, Band::Both);
+  for (const FoundNode& found : found_) {
+    const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
+    const int count = mask.count();
+    readSquares(found.at, mask, 0.0f);
+    leaves_.readCodes(data_.level[1].firstChild[found.node], count, ranks_.data());
+    bool some = false;
+    for (std::size_t r = 0; r < static_cast<std::size_t>(count); ++r) {
+      if (square_[r] == 0.0f) continue;  // not in the window
+      const std::uint16_t code = depthCode(-square_[r]);
+      some = some || code != ranks_[r];
+      ranks_[r] = code;
+    }
+    if (some) writeNode(found, mask, count);
+  }
 }
 
 // ---- depths of distance leaves ----
@@ -638,8 +787,10 @@ EditResult TreeEditor::WorkOf<Bits>::edit(std::span<const Voxel> voxels, std::ui
     forEachTile([this](const VoxelBox& box) {
       if (distance_) {
         editBrickDepths(box);
+      } else if (label_ != 0) {
+        fillLeaves(box);
       } else {
-        editLeafDepths(box);
+        carveLeaves(box);
       }
     });
     data_.stats.solidVoxels += label != 0 ? count_ : std::size_t{0} - count_;
