@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -161,7 +162,9 @@ void DistanceWindow::measure(const VoxelBits& solid, const VoxelBox& box, Band b
   const auto firstY = static_cast<std::size_t>(box.lo[1] - wide.lo[1]);
   const auto firstZ = static_cast<std::size_t>(box.lo[2] - wide.lo[2]);
   const std::size_t plane = ny * stride_;
-  const std::size_t used = static_cast<std::size_t>(box.size(0));
+  const auto used = static_cast<std::size_t>(box.size(0));
+  assert(wideY * wideZ * stride_ <= alongX_.size() && wideZ * plane <= alongY_.size() &&
+         nz * plane <= out_.size());
   for (std::size_t z = 0; z < wideZ; ++z) {
     float* rows = alongX_.data() + z * wideY * stride_;
     bool same = true;  // one kind all over the plane
@@ -196,6 +199,11 @@ void DistanceWindow::measureTo(const VoxelBits& sites, const VoxelBox& from,
   const std::size_t plane = ny * stride_;
   const std::array<float, 3>& weight = palette_.weight();
   constexpr std::size_t kMost = 128;  // rows and planes of `from`
+  assert(from.size(1) <= static_cast<std::int32_t>(kMost) &&
+         from.size(2) <= static_cast<std::int32_t>(kMost));
+  assert(static_cast<std::size_t>(from.size(1)) * stride_ <= alongX_.size() &&
+         static_cast<std::size_t>(from.size(2)) * plane <= alongY_.size() &&
+         static_cast<std::size_t>(box.size(2)) * plane <= out_.size());
   std::array<std::int32_t, kMost> siteZ;
   std::array<float, kMost> step;
   std::size_t planes = 0;

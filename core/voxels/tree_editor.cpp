@@ -23,6 +23,8 @@ namespace {
 using Band = DistanceWindow::Band;
 
 constexpr std::int32_t kTile = 32;  // edge of a box of changes that is done at a time
+// The code of an added voxel until its depth is found: none inside has this.
+constexpr std::uint16_t kNoDepth = DepthPalette::kFarCode;
 constexpr std::size_t kMostSlots = DepthBricks::kPlaceMask / (DepthBricks::kSlotWords / 2);
 
 Extent3 windowFor(const Extent3& reach, std::int32_t edge) {
@@ -67,7 +69,9 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
         groups_(data),
         leaves_(data.leafBytes, data.depth.uniformLabel == 0),
         bricks_(data.depth),
-        window_(palette_, dims_, windowFor(deepReach_, kTile + 2 * DepthBricks::kEdge), Band::Both),
+        window_(palette_, dims_,
+                windowFor(deepReach_, kTile + 2 * std::max(DepthBricks::kEdge, Mask::kEdge)),
+                Band::Both),
         near_(palette_, dims_, windowFor(nearReach_, kTile), Band::Outside),
         brick_(palette_, dims_, {5, 5, 5}, Band::Both) {
     fillTables();
@@ -87,10 +91,9 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   void fillTables();
   void readLeaves();
   void readBricks();
-  [[nodiscard]] std::uint16_t depthCode(float square) const noexcept {
-    if (square >= palette_.deepSquare()) return palette_.deepestCode();
-    return codeOfSquare_.empty() ? palette_.codeOf(-square)
-                                 : codeOfSquare_[static_cast<std::size_t>(square)];
+  void codeSquares(std::size_t count) noexcept;
+  void readCodes(std::uint32_t node, std::size_t count) noexcept {
+    leaves_.readCodes(data_.level[1].firstChild[node], static_cast<int>(count), ranks_.data());
   }
 
   bool mark(std::span<const Voxel> voxels);
@@ -109,7 +112,7 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   };
   VoxelBox findNodes(const VoxelBox& box);
   void readSquares(const Address& at, const Mask& mask, float beyond);
-  void writeNode(const FoundNode& found, const Mask& mask, int count);
+  void writeNode(const FoundNode& found, const Mask& mask, std::size_t count);
   void carveLeaves(const VoxelBox& box);
   void fillLeaves(const VoxelBox& box);
   void editBrickDepths(const VoxelBox& box);
@@ -141,23 +144,19 @@ class TreeEditor::WorkOf final : public TreeEditor::Work {
   typename LeafStore<Bits>::Node node_;
   std::vector<FoundNode> found_;                              // as many as a window may hold
   std::array<std::uint16_t, LeafStore<Bits>::kRanks> ranks_;  // codes of a node
-  std::array<float, Mask::kChildren> square_;                 // beside them
+  std::array<float, Mask::kChildren> square_;                 // beside them, of the window
+  std::array<std::uint16_t, Mask::kChildren> codeOf_;         // of these
   BrickStore::Codes codes_;
   BrickStore::Labels labels_;
 
-  // Squares of depths by code, and codes by square where these are whole numbers.
-  std::vector<float> depthSquare_;
+  // Codes by square where these are whole numbers.
   std::vector<std::uint16_t> codeOfSquare_;
 };
 
 template <int Bits>
 void TreeEditor::WorkOf<Bits>::fillTables() {
-  for (std::uint16_t code = 0; code <= palette_.deepestCode(); ++code) {
-    depthSquare_.push_back(-palette_.square(code));
-  }
-  depthSquare_.back() = palette_.deepSquare();  // from there on
   if (palette_.weight() == std::array<float, 3>{1, 1, 1}) {
-    const auto squares = static_cast<std::size_t>(palette_.deepSquare()) + 1;
+    const auto squares = static_cast<std::size_t>(palette_.deepSquare()) + 2;  // to the cap
     for (std::size_t n = 0; n < squares; ++n) {
       codeOfSquare_.push_back(palette_.codeOf(-static_cast<float>(n)));
     }
@@ -356,7 +355,7 @@ void TreeEditor::WorkOf<Bits>::editLeafNodes(const VoxelBox& box) {
         }
         forEachChild(mask, [&](int c) {
           if (old.test(c)) return;
-          node_.code[static_cast<std::size_t>(c)] = 0;
+          node_.code[static_cast<std::size_t>(c)] = kNoDepth;
           node_.label[static_cast<std::size_t>(c)] = label_;
         });
         if (node == kNoNode) node = groups_.insert(at);
@@ -406,7 +405,7 @@ VoxelBox TreeEditor::WorkOf<Bits>::findNodes(const VoxelBox& box) {
   // Where all narrow codes are outside, narrow nodes only hold voxels without a depth yet.
   const auto lastNarrow =
       std::min<std::uint16_t>(DepthPalette::kNarrow - 1, palette_.deepestCode());
-  const float narrow = std::max(0.0f, depthSquare_[lastNarrow]);
+  const float narrow = std::max(0.0f, -palette_.square(lastNarrow));
   VoxelBox all{dims_, {0, 0, 0}};
   found_.clear();
   groups_.visit(lo, hi, [&](const Address& at, std::uint32_t node) {
@@ -456,14 +455,28 @@ void TreeEditor::WorkOf<Bits>::readSquares(const Address& at, const Mask& mask, 
 }
 
 template <int Bits>
-void TreeEditor::WorkOf<Bits>::writeNode(const FoundNode& found, const Mask& mask, int count) {
+void TreeEditor::WorkOf<Bits>::writeNode(const FoundNode& found, const Mask& mask,
+                                         std::size_t count) {
   std::uint32_t& link = data_.level[1].firstChild[found.node];
-  std::fill_n(ranks_.begin() + count, 3, std::uint16_t{0});
-  if (leaves_.writeCodes(link, count, ranks_.data())) return;
+  const auto voxels = static_cast<int>(count);
+  std::fill_n(&ranks_[count], 3, std::uint16_t{0});
+  if (leaves_.writeCodes(link, voxels, ranks_.data())) return;
   leaves_.read(mask, link, node_);  // for its labels
   std::size_t rank = 0;
   forEachChild(mask, [&](int c) { node_.code[static_cast<std::size_t>(c)] = ranks_[rank++]; });
-  link = leaves_.write(mask, link, count, node_);
+  link = leaves_.write(mask, link, voxels, node_);
+}
+
+// Codes of the depths with these squares; the far end of the window's stands for all beyond.
+template <int Bits>
+void TreeEditor::WorkOf<Bits>::codeSquares(std::size_t count) noexcept {
+  if (codeOfSquare_.empty()) {
+    for (std::size_t r = 0; r < count; ++r) codeOf_[r] = palette_.codeOf(-square_[r]);
+    return;
+  }
+  for (std::size_t r = 0; r < count; ++r) {
+    codeOf_[r] = codeOfSquare_[static_cast<std::size_t>(static_cast<std::int32_t>(square_[r]))];
+  }
 }
 
 // Depths are at most the distance to what was removed.
@@ -474,21 +487,22 @@ void TreeEditor::WorkOf<Bits>::carveLeaves(const VoxelBox& box) {
   window_.measureTo(changed_, box, around);
   for (const FoundNode& found : found_) {
     const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
-    const int count = mask.count();
-    readSquares(found.at, mask, HUGE_VALF);
-    leaves_.readCodes(data_.level[1].firstChild[found.node], count, ranks_.data());
-    bool some = false;
-    for (std::size_t r = 0; r < static_cast<std::size_t>(count); ++r) {
-      if (square_[r] >= depthSquare_[ranks_[r]]) continue;
-      const std::uint16_t code = depthCode(square_[r]);
-      some = some || code != ranks_[r];
+    const auto count = static_cast<std::size_t>(mask.count());
+    readSquares(found.at, mask, palette_.deepSquare());
+    codeSquares(count);
+    readCodes(found.node, count);
+    std::uint16_t other = 0;
+    for (std::size_t r = 0; r < count; ++r) {
+      const std::uint16_t code = std::min(ranks_[r], codeOf_[r]);
+      other = static_cast<std::uint16_t>(other | (code ^ ranks_[r]));
       ranks_[r] = code;
     }
-    if (some) writeNode(found, mask, count);
+    if (other != 0) writeNode(found, mask, count);
   }
 }
 
-// Depths that were the distance to what was added, and those of what was added, are found anew.
+// Nodes with depths that were the distance to what was added, or with what was added, are measured
+// anew.
 template <int Bits>
 void TreeEditor::WorkOf<Bits>::fillLeaves(const VoxelBox& box) {
   const VoxelBox around = findNodes(box);
@@ -497,38 +511,40 @@ void TreeEditor::WorkOf<Bits>::fillLeaves(const VoxelBox& box) {
   std::size_t kept = 0;
   for (const FoundNode& found : found_) {
     const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
-    readSquares(found.at, mask, HUGE_VALF);
-    leaves_.readCodes(data_.level[1].firstChild[found.node], mask.count(), ranks_.data());
-    std::size_t rank = 0;
-    bool some = false;
-    forEachChild(mask, [&](int c) {
-      const std::uint16_t code = ranks_[rank];
-      const float square = square_[rank++];
-      // Added ones have no depth yet; they are at no distance to what was added.
-      if (square > 0.0f && (square != depthSquare_[code] || code == palette_.deepestCode())) return;
-      again.include({found.at[0] * Mask::kEdge + (c & Mask::kLow),
-                     found.at[1] * Mask::kEdge + ((c >> Bits) & Mask::kLow),
-                     found.at[2] * Mask::kEdge + (c >> (2 * Bits))});
-      some = true;
-    });
-    if (some) found_[kept++] = found;
+    const auto count = static_cast<std::size_t>(mask.count());
+    readSquares(found.at, mask, palette_.deepSquare());
+    codeSquares(count);
+    readCodes(found.node, count);
+    // The deepest stay so.
+    const std::uint16_t deepest = palette_.deepestCode();
+    unsigned some = 0;
+    for (std::size_t r = 0; r < count; ++r) {
+      const auto same = static_cast<unsigned>(codeOf_[r] == ranks_[r]);
+      some |= (same & static_cast<unsigned>(ranks_[r] != deepest)) |
+              static_cast<unsigned>(ranks_[r] == kNoDepth);
+    }
+    if (some == 0) continue;
+    found_[kept++] = found;
+    again.include({found.at[0] << Bits, found.at[1] << Bits, found.at[2] << Bits});
+    again.include({(found.at[0] << Bits) + Mask::kEdge - 1, (found.at[1] << Bits) + Mask::kEdge - 1,
+                   (found.at[2] << Bits) + Mask::kEdge - 1});
   }
   found_.resize(kept);
   if (kept == 0) return;
-  window_.measure(solid_, again, Band::Both);
+  window_.measure(solid_, again.grown({0, 0, 0}, dims_), Band::Both);
   for (const FoundNode& found : found_) {
     const Mask mask = Mask::load(data_.level[1].masks.data(), found.node);
-    const int count = mask.count();
-    readSquares(found.at, mask, 0.0f);
-    leaves_.readCodes(data_.level[1].firstChild[found.node], count, ranks_.data());
-    bool some = false;
-    for (std::size_t r = 0; r < static_cast<std::size_t>(count); ++r) {
-      if (square_[r] == 0.0f) continue;  // not in the window
-      const std::uint16_t code = depthCode(-square_[r]);
-      some = some || code != ranks_[r];
-      ranks_[r] = code;
+    const auto count = static_cast<std::size_t>(mask.count());
+    readSquares(found.at, mask, 0.0f);  // all are in the window
+    for (std::size_t r = 0; r < count; ++r) square_[r] = -square_[r];
+    codeSquares(count);
+    readCodes(found.node, count);
+    std::uint16_t other = 0;
+    for (std::size_t r = 0; r < count; ++r) {
+      other = static_cast<std::uint16_t>(other | (codeOf_[r] ^ ranks_[r]));
+      ranks_[r] = codeOf_[r];
     }
-    if (some) writeNode(found, mask, count);
+    if (other != 0) writeNode(found, mask, count);
   }
 }
 
