@@ -832,12 +832,7 @@ EditResult TreeEditor::WorkOf<Bits>::edit(std::span<const Voxel> voxels, std::ui
 
 template <int Bits>
 void TreeEditor::WorkOf<Bits>::fillStats() {
-  TreeStats& stats = data_.stats;
-  stats.topologyBytes = 0;
-  for (std::size_t l = 1; l < data_.level.size(); ++l) {
-    stats.topologyBytes += data_.level[l].masks.bytes() + data_.level[l].firstChild.bytes();
-  }
-  stats.payloadBytes = data_.leafBytes.bytes() + data_.depth.bytes();
+  countBytes(data_);
 }
 
 template <int Bits>

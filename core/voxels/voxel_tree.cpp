@@ -71,21 +71,28 @@ Result<VoxelBits> selectVoxels(const LabelGrid& grid, std::span<const std::uint8
   return solid;
 }
 
-// Links between nodes are topology; level 1 has none, it links to what its leaves carry.
 void fillStats(VoxelTree::Data& data) {
   TreeStats& stats = data.stats;
   stats.levels = data.levels;
   const std::size_t maskBytes = (std::size_t{1} << (3 * data.bits)) / 8;
   for (std::size_t l = 1; l < data.level.size(); ++l) {
-    const TreeLevel& level = data.level[l];
-    stats.nodesPerLevel.push_back(level.masks.size() / maskBytes);
-    stats.topologyBytes += level.masks.bytes() + (l > 1 ? level.firstChild.bytes() : 0);
+    stats.nodesPerLevel.push_back(data.level[l].masks.size() / maskBytes);
   }
-  stats.payloadBytes =
-      data.level[1].firstChild.bytes() + data.leafBytes.bytes() + data.depth.bytes();
+  countBytes(data);
 }
 
 }  // namespace
+
+// Links between nodes are topology; level 1 has none, it links to what its leaves carry.
+void countBytes(VoxelTree::Data& data) noexcept {
+  data.stats.topologyBytes = 0;
+  for (std::size_t l = 1; l < data.level.size(); ++l) {
+    data.stats.topologyBytes +=
+        data.level[l].masks.bytes() + (l > 1 ? data.level[l].firstChild.bytes() : 0);
+  }
+  data.stats.payloadBytes =
+      data.level[1].firstChild.bytes() + data.leafBytes.bytes() + data.depth.bytes();
+}
 
 VoxelTree::VoxelTree(std::unique_ptr<Data> data) noexcept : data_(std::move(data)) {}
 VoxelTree::VoxelTree(VoxelTree&&) noexcept = default;

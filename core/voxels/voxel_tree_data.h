@@ -50,4 +50,7 @@ struct VoxelTree::Data {
   LargeArray<std::uint8_t> leafBytes;
 };
 
+/// Sets stats.topologyBytes and stats.payloadBytes from the arrays.
+void countBytes(VoxelTree::Data& data) noexcept;
+
 }  // namespace palpate

@@ -137,6 +137,9 @@ TEST(NoAllocation, AClearanceTakesNoMemoryNearFarAndInside) {
     for (const auto& X : poses) ++seen[static_cast<int>(finder->find(X).status)];
     EXPECT_EQ(allocations.load(), before);
     for (const int times : seen) EXPECT_GT(times, 0);
+  }
+}
+
 TEST(NoAllocation, EditsWithinTheReservedBoxTakeNoMemory) {
   constexpr std::uint32_t kSeed = 61;
   std::mt19937 rng(kSeed);
