@@ -107,12 +107,12 @@ float boundAt(const VoxelTree::Data& d, const Eigen::Vector3f& u) {
 }
 
 void expectSoundClearances(const LabelGrid& grid, const VoxelTree& edited, const VoxelTree& built,
-                           std::mt19937& rng) {
+                           std::mt19937& rng, int points = 300) {
   const auto region = regionOf(grid, built);
   const VoxelTree::Data& d = edited.data();
   const Eigen::Vector3f edge =
       (grid.geometry.spacing / grid.geometry.spacing.minCoeff()).cast<float>();
-  for (int n = 0; n < 300; ++n) {
+  for (int n = 0; n < points; ++n) {
     Eigen::Vector3f u;
     for (int a = 0; a < 3; ++a) {
       const auto cells = static_cast<float>(d.extent[static_cast<std::size_t>(a)]);
@@ -234,6 +234,33 @@ TEST(TreeEditor, WideEditsAreThoseOfARebuild) {
       expectSameTree(*tree, *built);
     }
   }
+}
+
+// A block of 16³ cells beside a wall, far enough to have one clearance for all, gets its first
+// brick in the corner that is farthest from the wall.
+TEST(TreeEditor, BlocksThatGetTheirFirstBrickKeepTheirBounds) {
+  std::mt19937 rng(kSeed);
+  LabelGrid grid = makeGrid({40, 40, 40}, Eigen::Vector3d::Constant(1e-3),
+                            [](int i, int, int) { return i < 8 ? 1 : 0; });
+  const TreeOptions options{Branching::Children64, LeafModel::Distance, false};
+  auto tree = VoxelTree::build(grid, {}, options);
+  ASSERT_TRUE(tree);
+  const auto& depth = tree->data().depth;
+  const std::uint32_t before = depth.coarse[depth.blockAt(1, 1, 1)];
+  ASSERT_EQ(before & ClearanceWord::kLink, 0U);
+  ASSERT_NE(before & ClearanceWord::kSlopeMask,
+            static_cast<std::uint32_t>(ClearanceWord::kSlopeBias));
+  auto editor = TreeEditor::create(*tree);
+  ASSERT_TRUE(editor);
+  const RandomEdit edit{"corner", 1, {{30, 30, 30}}};
+  EXPECT_EQ(run(*editor, edit).changed, 1U);
+  apply(edit, grid);
+  const auto built = VoxelTree::build(grid, {}, options);
+  ASSERT_TRUE(built);
+  expectSameTree(*tree, *built);
+  expectSoundClearances(grid, *tree, *built, rng, 4000);
+  // And bounds they are: halfway to the wall there is room.
+  EXPECT_GT(boundAt(tree->data(), {17.0f, 17.0f, 17.0f}), 4.0f);
 }
 
 // ---- what is refused, ignored, counted ----
