@@ -21,6 +21,7 @@ LeafTest<Bits>::LeafTest(const VoxelTree::Data& tree, VoxelMemo& memo) noexcept
       memo_(memo),
       unit_(tree.geometry.spacing.minCoeff()),
       metresPerStep_(metresPerStepOf(tree.depth.palette, unit_)) {
+  memo.follow(tree.edits);
   for (std::size_t a = 0; a < 3; ++a) edge_[a] = std::sqrt(tree.depth.palette.weight()[a]);
 }
 

@@ -72,12 +72,16 @@ struct VoxelMemo {
     double depth = 0;  ///< D, metres.
   };
   std::vector<Entry> entry = std::vector<Entry>(kEntries);
+  std::uint64_t edits = 0;  ///< Of the tree, when this was true of it.
 
   [[nodiscard]] Entry& at(std::uint64_t voxel) noexcept {
     return entry[voxel * 0x9E3779B97F4A7C15ULL >> 52];
   }
-  void forget() noexcept {
+  /// Forgets everything where the tree has been edited since.
+  void follow(std::uint64_t treeEdits) noexcept {
+    if (edits == treeEdits) return;
     for (Entry& e : entry) e.voxel = ~std::uint64_t{0};
+    edits = treeEdits;
   }
 };
 
