@@ -94,7 +94,7 @@ nlohmann::ordered_json optionsJson(const TreeOptions& tree, const QueryOptions& 
           {"stop_level", query.stopLevel},
           {"contact_budget", query.contactBudget},
           {"repeats", options.repeats},
-          {"threads", options.threads}};
+          {"threads", query.threads}};
 }
 
 std::string textReport(const CollideInput& input, const CollideQuantiles& times,
@@ -164,6 +164,7 @@ Result<CommandOutput> runCollide(const CollideCommandOptions& options,
   tree.threads = options.threads;
   QueryOptions query;
   query.method = methodOf(options.method);
+  query.threads = options.threads;
   if (auto ok = applyCollideOptions(options.options, tree, query); !ok) return fail(ok.error());
   if (options.shell.empty() == options.body.empty()) {
     return fail(usageError("Give one tool: either --shell or --body.")
@@ -239,7 +240,8 @@ void addCollideCommand(CommandSet& commands) {
   sub->add_option("--repeats", options->repeats, "Passes over the trajectory, each after a reset")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  sub->add_option("--threads", options->threads, "Threads of the build; the query runs on one")
+  sub->add_option("--threads", options->threads,
+                  "Threads of the build and of the query; they change no contact")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
 }

@@ -265,6 +265,10 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
     s.rankOf.resize(points);
     for (std::uint32_t rank = 0; rank < points; ++rank) s.rankOf[s.shell->order[rank]] = rank;
   }
+  if (isFast(s) && options.threads > 1) {
+    s.workers = std::make_unique<QueryWorkers>(options.threads);
+    s.fast.workers = s.workers.get();
+  }
   const std::size_t groups = s.shell->level[0].size();
   if (options.method == QueryMethod::Hierarchy && !isFast(s)) {
     s.frontier.resize(groups + ShellHierarchy::kArity);

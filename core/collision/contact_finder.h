@@ -27,6 +27,12 @@ struct QueryOptions {
   bool sideOffset = false;
   int stopLevel = 0;                         ///< 0: down to the voxels.
   std::uint32_t contactBudget = 0xFFFFFFFF;  ///< More contacts than this: cut, and say so.
+  /// Threads of a query, the caller included; beyond 64 are 64. Where distance leaves are read many
+  /// points at a time and enough of them are live to pay for the hand-off (fast_query.h), the
+  /// others help; elsewhere they sleep. Exact: the same contacts, order and bits at any number.
+  /// They are started with the finder, and inherit scheduling and processors of the thread that
+  /// makes it.
+  int threads = 1;
 };
 
 enum class QueryStatus : std::uint8_t {

@@ -17,6 +17,50 @@ HWY_BEFORE_NAMESPACE();
 namespace palpate {
 namespace HWY_NAMESPACE {
 
+// Runs of whole batches, one a thread. A thread that does two in succession writes them in
+// succession, so that nothing moves where the caller has done all.
+struct LeafRuns {
+  static constexpr std::size_t kMost = QueryWorkers::kMaxThreads;
+  struct Run {
+    std::size_t place, found;  // in the packed contacts
+  };
+  struct Done {
+    std::size_t runs, end;  // up to which run this thread has done its last ones; their end
+  };
+  const FastWork& work;
+  const Frame& frame;
+  PackedContacts& out;
+  std::size_t leaves, count;
+  Run run[kMost];
+  Done done[kMost];
+
+  [[nodiscard]] std::size_t begin(std::size_t r) const {
+    const std::size_t batches = (leaves + kLeaves - 1) / kLeaves;
+    return std::min(leaves, batches * r / count * kLeaves);
+  }
+};
+
+void testRun(void* context, std::size_t r, std::size_t thread) noexcept {
+  auto& all = *static_cast<LeafRuns*>(context);
+  LeafRuns::Done& done = all.done[thread];
+  const std::size_t first = all.begin(r);
+  const std::size_t place = r > 0 && done.runs == r ? done.end : first * 16;
+  PackedRun out(all.out, place);
+  testLeaves(all.work, all.frame, first, all.begin(r + 1), out);
+  all.run[r] = {place, out.count};
+  done = {r + 1, place + out.count};
+}
+
+void shareLeaves(const FastWork& work, const Frame& frame, std::size_t count, PackedContacts& out) {
+  LeafRuns all{work, frame, out, count, work.workers->threads(), {}, {}};
+  work.workers->run(&testRun, &all, all.count);
+  for (std::size_t r = 0; r < all.count; ++r) {
+    const auto [place, found] = all.run[r];
+    if (place != out.count) movePacked(out, place, found, out.count);
+    out.count += found;
+  }
+}
+
 void findFastHere(FastWork& work, const CellPose& pose, bool everyPoint, PackedContacts& out) {
   const Frame frame(work, pose);
   out.count = 0;
@@ -30,7 +74,14 @@ void findFastHere(FastWork& work, const CellPose& pose, bool everyPoint, PackedC
   work.tests += static_cast<std::uint32_t>(count * 16);
   if (count == 0) return;
   std::fill_n(work.frontier.begin() + static_cast<std::ptrdiff_t>(count), kAhead, 0U);
-  testLeaves(work, frame, count, out);
+  if (work.workers != nullptr &&
+      count >= (work.workers->awake() ? kLeavesToShare : kLeavesToWake)) {
+    shareLeaves(work, frame, count, out);
+    return;
+  }
+  PackedRun all(out, 0);
+  testLeaves(work, frame, 0, count, all);
+  out.count = all.count;
 }
 
 const char* targetHere() {

@@ -206,7 +206,7 @@ HWY_INLINE VI dot(VI a, VI b) {
 }
 
 HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const PointWork& points,
-                         std::size_t slot, const FastWork& work, PackedContacts& out) {
+                         std::size_t slot, const FastWork& work, PackedRun& out) {
   const DF d;
   const DI di;
   const DU du;
@@ -248,7 +248,7 @@ HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const Po
 
 // Gradients in cells, of the contacts from `from` on, to unit normals in space. A gradient this
 // short is a balance of sides: +z.
-HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedContacts& out) {
+HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedRun& out) {
   const DF d;
   for (std::size_t i = from; i < out.count; i += hn::Lanes(d)) {
     const VF x = hn::Mul(hn::LoadU(d, &out.nx[i]), hn::Set(d, 1.0f / frame.edge[0]));
@@ -264,14 +264,16 @@ HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedContacts& 
   }
 }
 
-/// The contacts of the points in `count` leaves of work.frontier.
-HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t count,
-                           PackedContacts& out) {
+/// The contacts of the points in leaves begin .. end − 1 of work.frontier. Nothing is stored beyond
+/// 16 contacts a leaf: a vector stored for the lanes of a leaf begins at or before the room that
+/// the leaves up to it have, less its own length.
+HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
+                           std::size_t end, PackedRun& out) {
   const Decoder decode(work.bricks->palette);
   const PointBlock* leaves = work.shell->leaf.data();
   PointWork points;
-  for (std::size_t first = 0; first < count; first += kLeaves) {
-    const std::size_t n = std::min(kLeaves, count - first);
+  for (std::size_t first = begin; first < end; first += kLeaves) {
+    const std::size_t n = std::min(kLeaves, end - first);
     const std::size_t from = out.count;
     for (std::size_t i = 0; i < n; ++i) {
       const auto* soon = reinterpret_cast<const char*>(&leaves[work.frontier[first + i + kAhead]]);

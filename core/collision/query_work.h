@@ -6,12 +6,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/collision/contact_finder.h"
 #include "core/collision/fast_query.h"
 #include "core/collision/leaf_test.h"
 #include "core/collision/paper_work.h"
+#include "core/collision/query_workers.h"
 #include "core/collision/shell_hierarchy.h"
 #include "core/voxels/voxel_tree_data.h"
 
@@ -44,6 +46,7 @@ struct QueryWork {
   std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
   PaperWork paper;
   FastWork fast;  ///< Distance leaves, many points at a time.
+  std::unique_ptr<QueryWorkers> workers;
   PackedContacts packed;
   std::vector<std::uint32_t> rankOf;  ///< Shell index -> rank; distance leaves.
   VoxelMemo memo;

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <thread>
 
 #include "core/collision/contact_finder.h"
+#include "core/collision/query_workers.h"
 #include "tests/benchmarks/bench_scenes.h"
 
 namespace palpate::bench {
@@ -77,6 +79,27 @@ void build(benchmark::State& state) {
   state.counters["payload_B_per_surface"] = static_cast<double>(stats.payloadBytes) / perSurface;
 }
 
+void nothing(void* /*context*/, std::size_t /*part*/, std::size_t /*thread*/) noexcept {}
+
+// From the caller to two threads and back, with nothing to do. `asleep`: a millisecond apart, as in
+// a loop of 1 kHz.
+void handOff(benchmark::State& state) {
+  QueryWorkers workers(2);
+  std::vector<double> micros;
+  for (auto _ : state) {
+    if (state.range(0) != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto start = std::chrono::steady_clock::now();
+    workers.run(&nothing, nullptr, 2);
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    micros.push_back(took.count());
+  }
+  state.counters["p50_us"] = quantile(micros, 0.5);
+  state.counters["p90_us"] = quantile(micros, 0.9);
+  state.counters["p99_us"] = quantile(micros, 0.99);
+}
+
+BENCHMARK(handOff)->ArgNames({"asleep"})->Arg(0)->Iterations(100000);
+BENCHMARK(handOff)->ArgNames({"asleep"})->Arg(1)->Iterations(2000);
 BENCHMARK(contactStep)
     ->ArgNames({"n", "points", "press_um", "branching", "leaf", "method"})
     ->ArgsProduct({{256}, {10000}, {150, 600, 4000}, {8, 64, 512}, {0, 1}, {0, 2}})

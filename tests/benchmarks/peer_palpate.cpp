@@ -1,5 +1,7 @@
 /// core/collision itself, through its public header.
 
+#include <cstdlib>
+
 #include "core/collision/contact_finder.h"
 #include "tests/benchmarks/wide_peers.h"
 
@@ -15,6 +17,12 @@ TreeOptions treeOptions(const std::string& method) {
 QueryOptions queryOptions(const std::string& method) {
   QueryOptions options;
   if (method == "paper") options.method = QueryMethod::Paper;
+  const std::size_t equals = method.find('=');
+  if (equals == std::string::npos) return options;
+  const std::string key = method.substr(0, equals);
+  const double value = std::atof(method.c_str() + equals + 1);
+  if (key == "threads") options.threads = static_cast<int>(value);
+  if (key == "contact_budget") options.contactBudget = static_cast<std::uint32_t>(value);
   return options;
 }
 

@@ -31,6 +31,7 @@ struct Options {
   std::uint64_t seed = 1;
   bool check = false, scalar = false, dense = false, wide = false, voxel = false, paper = false;
   bool unequal = false, avx2 = false;
+  std::vector<std::string> ours;
   std::string csv;
 };
 
@@ -108,6 +109,7 @@ void oneWorld(const Options& options, const std::string& what, const LabelGrid& 
     peers.push_back(makePalpate(grid, points, "hierarchy"));
     if (options.voxel) peers.push_back(makePalpate(grid, points, "voxel"));
     if (options.paper) peers.push_back(makePalpate(grid, points, "paper"));
+    for (const std::string& with : options.ours) peers.push_back(makePalpate(grid, points, with));
     if (options.dense) peers.push_back(makeDenseSimd(field, probe));
     if (options.scalar) peers.push_back(makeScalarReference(field, points));
     if (options.wide) {
@@ -150,6 +152,8 @@ int runPeers(int argc, char** argv) {
   app.add_flag("--dense", options.dense, "also the dense field with SIMD for every point");
   app.add_flag("--avx2", options.avx2, "nothing wider than AVX2");
   app.add_flag("--unequal", options.unequal, "spacings 1 : 1.25 : 2; no rivals");
+  app.add_option("--ours", options.ours, "also ours with an option: threads=2, contact_budget=300")
+      ->delimiter(',');
   app.add_flag("--voxel", options.voxel, "also ours with voxel leaves (another leaf model)");
   app.add_flag("--paper", options.paper, "also its paper method");
   app.add_flag("--wide", options.wide, "also OpenVDB, Bullet (to 128^3) and FCL, where built in");

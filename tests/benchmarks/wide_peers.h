@@ -20,7 +20,8 @@ namespace palpate::bench {
                                             const std::vector<Eigen::Vector3d>& points_T);
 [[nodiscard]] std::unique_ptr<Peer> makeBullet(const DenseField& field,
                                                const std::vector<Eigen::Vector3d>& points_T);
-/// core/collision: "hierarchy", "paper", or "voxel" for the default with voxel leaves.
+/// core/collision: "hierarchy", "paper", "voxel" for the default with voxel leaves, or the default
+/// with one of its options: "threads=2", "contact_budget=300".
 [[nodiscard]] std::unique_ptr<Peer> makePalpate(const LabelGrid& grid,
                                                 const std::vector<Eigen::Vector3d>& points_T,
                                                 const std::string& method);
