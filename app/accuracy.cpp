@@ -22,6 +22,7 @@ Result<SimulationSetting> settingOfAccuracy(const std::string& name, SimulationS
   setting.tree.surfaceOnly = false;
   setting.query.stopLevel = 0;
   setting.query.contactBudget = QueryOptions{}.contactBudget;
+  setting.query.perceptualBound = 0.0;
   setting.solverIterations = std::max(setting.solverIterations, 1000U);
   if (name == "reference") setting.query.method = QueryMethod::BruteForce;
   return setting;

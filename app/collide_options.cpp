@@ -4,12 +4,14 @@
 #include <optional>
 #include <string_view>
 
+#include "core/geometry/units.h"
+
 namespace palpate {
 namespace {
 
 constexpr const char* kKeys =
     "surface_only, tight_spheres, one_child_skip, side_offset (on or off), stop_level, "
-    "contact_budget (whole numbers)";
+    "contact_budget (whole numbers), perceptual_mm (a length)";
 
 std::optional<bool> switchOf(std::string_view text) {
   for (const std::string_view on : {"on", "true", "yes", "1"}) {
@@ -21,8 +23,11 @@ std::optional<bool> switchOf(std::string_view text) {
   return std::nullopt;
 }
 
+// As in the scene file: ten centimetres are more than any instrument that is felt.
+constexpr double kMostPerceptual_mm = 100.0;
+
 template <class T>
-std::optional<T> wholeNumber(std::string_view text) {
+std::optional<T> numberOf(std::string_view text) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
@@ -55,13 +60,19 @@ Result<void> applyOne(const std::string& option, TreeOptions& tree, QueryOptions
     if (!on) return fail(unknown(option, "value"));
     *flag = *on;
   } else if (key == "stop_level") {
-    const auto level = wholeNumber<int>(value);
+    const auto level = numberOf<int>(value);
     if (!level || *level < 0) return fail(unknown(option, "value"));
     query.stopLevel = *level;
   } else if (key == "contact_budget") {
-    const auto budget = wholeNumber<std::uint32_t>(value);
+    const auto budget = numberOf<std::uint32_t>(value);
     if (!budget) return fail(unknown(option, "value"));
     query.contactBudget = *budget;
+  } else if (key == "perceptual_mm") {
+    const auto bound_mm = numberOf<double>(value);
+    if (!bound_mm || !(*bound_mm >= 0.0 && *bound_mm <= kMostPerceptual_mm)) {
+      return fail(unknown(option, "value"));
+    }
+    query.perceptualBound = metres(*bound_mm);
   } else {
     return fail(unknown(option, "key"));
   }

@@ -13,6 +13,7 @@
 #include "app/text_table.h"
 #include "core/collision/shell_file.h"
 #include "core/collision/voxel_body_shell.h"
+#include "core/geometry/units.h"
 #include "imaging/volume_files.h"
 
 namespace palpate {
@@ -93,6 +94,7 @@ nlohmann::ordered_json optionsJson(const TreeOptions& tree, const QueryOptions& 
           {"side_offset", query.sideOffset},
           {"stop_level", query.stopLevel},
           {"contact_budget", query.contactBudget},
+          {"perceptual_mm", millimetres(query.perceptualBound)},
           {"repeats", options.repeats},
           {"threads", query.threads}};
 }
@@ -233,10 +235,12 @@ void addCollideCommand(CommandSet& commands) {
   sub->add_option("--method", options->method, "How contacts are found")
       ->check(CLI::IsMember({"hierarchy", "paper", "brute", "brute-force"}))
       ->capture_default_str();
-  sub->add_option("--option", options->options,
-                  "KEY=VALUE: surface_only, tight_spheres, one_child_skip, side_offset (on, off), "
-                  "stop_level, contact_budget (numbers). surface_only misses most contacts of a "
-                  "pressed-in tool");
+  sub->add_option(
+      "--option", options->options,
+      "KEY=VALUE: surface_only, tight_spheres, one_child_skip, side_offset (on, off), "
+      "stop_level, contact_budget (numbers), perceptual_mm (descent of the shell stops "
+      "where it could reveal no more than this). surface_only misses most contacts of a "
+      "pressed-in tool");
   sub->add_option("--repeats", options->repeats, "Passes over the trajectory, each after a reset")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -46,6 +46,7 @@ ordered_json settingJson(const SimulationSetting& setting) {
   json["side_offset"] = setting.query.sideOffset;
   json["stop_level"] = setting.query.stopLevel;
   json["contact_budget"] = setting.query.contactBudget;
+  json["perceptual_mm"] = millimetres(setting.query.perceptualBound);
   json["shell_spacing_mm"] = millimetres(setting.shellSpacing);
   json["step_period_ms"] = setting.stepPeriod * 1e3;
   json["contact_capacity"] = setting.contactCapacity;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "core/collision/query_work.h"
@@ -135,6 +136,7 @@ void unpack(const QueryWork& work, const LeafTest<Bits>& leaf, std::size_t i,
   leaf.fillDistance(work.place(work.rankOf[index]), packed.depth[i], normal, contact);
   contact.shellIndex = index;
   contact.body = 0;
+  contact.flags |= work.flagsOf(work.rankOf[index]);
 }
 
 template <int Bits>
@@ -206,7 +208,9 @@ QueryStatus collect(QueryWork& work) noexcept {
     runMethod<Bits>(work);
     if (work.stopLevel > 0) resolveCuts<Bits>(work);
   }
-  if (work.packed.count + work.hitCount <= work.options.contactBudget) return QueryStatus::Complete;
+  if (work.packed.count + work.hitCount <= work.options.contactBudget) {
+    return work.thinned != nullptr ? QueryStatus::Approximate : QueryStatus::Complete;
+  }
   if (work.packed.count > 0) unpackAll<Bits>(work);
   thinToBudget(work);
   return QueryStatus::BudgetSpent;
@@ -228,8 +232,8 @@ auto withBits(const VoxelTree::Data& tree, F&& f) noexcept {
 }  // namespace
 
 struct ContactFinder::Scratch : QueryWork {
-  double shellReach = 0.0;
-  const ShellBlocks* blocks = nullptr;
+  std::optional<ThinnedShell> felt;  // what the perceptual bound leaves
+  std::unique_ptr<QueryWorkers> helpers;
 
   [[nodiscard]] bool placeAt(const Eigen::Isometry3d& X_VT) noexcept {
     if (!isRigidPose(X_VT)) return false;
@@ -241,40 +245,67 @@ struct ContactFinder::Scratch : QueryWork {
     }
     return true;
   }
+
+  void useShell(const PointShell& whole) {
+    const PointShell::Data& data = whole.data();
+    shell = &data.hierarchy;
+    blocks = &data.blocks;
+    shellReach = whole.reach();
+    if (!(options.perceptualBound > 0.0)) return;
+    felt = thinToBound(data.hierarchy, data.blocks, options.perceptualBound);
+    if (felt->hierarchy.size() == whole.size()) return;  // no node is as small as that
+    thinned = &*felt;
+    shell = &felt->hierarchy;
+    blocks = &felt->blocks;
+  }
 };
+
+namespace {
+
+// `indices`: how many there are in the whole shell.
+void sizeFor(QueryWork& work, std::size_t indices) {
+  const std::size_t points = work.shell->size();
+  work.hits.resize(points);
+  work.hitRank.resize(points);
+  work.slotOf.resize(indices);
+  work.present.assign((indices + 63) / 64, 0);
+  work.cuts.resize(points);
+  work.packed = PackedContacts(work.blocks->leaf.size() * 16);
+  if (work.tree->options.leaf == LeafModel::Distance) {
+    work.fast.prepare(work.tree->depth, work.tree->extent, *work.blocks,
+                      work.tree->geometry.spacing.minCoeff());
+    work.rankOf.resize(indices);
+    for (std::uint32_t rank = 0; rank < points; ++rank) {
+      work.rankOf[work.shell->order[rank]] = rank;
+    }
+  }
+  const std::size_t groups = work.shell->level[0].size();
+  if (work.options.method == QueryMethod::Hierarchy && !isFast(work)) {
+    work.frontier.resize(groups + ShellHierarchy::kArity);
+    work.nextFrontier.resize(groups + ShellHierarchy::kArity);
+  }
+}
+
+}  // namespace
 
 ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
                              const QueryOptions& options)
     : scratch_(std::make_unique<Scratch>()) {
   Scratch& s = *scratch_;
   s.tree = &tree.data();
-  s.shell = &shell.data().hierarchy;
-  s.blocks = &shell.data().blocks;
-  s.shellReach = shell.reach();
   s.options = options;
   s.stopLevel = std::clamp(options.stopLevel, 0, s.tree->levels);
-  const std::size_t points = shell.size();
-  s.hits.resize(points);
-  s.hitRank.resize(points);
-  s.slotOf.resize(points);
-  s.present.assign((points + 63) / 64, 0);
-  s.cuts.resize(points);
-  s.packed = PackedContacts(s.blocks->leaf.size() * 16);
-  if (s.tree->options.leaf == LeafModel::Distance) {
-    s.fast.prepare(s.tree->depth, s.tree->extent, *s.blocks, s.tree->geometry.spacing.minCoeff());
-    s.rankOf.resize(points);
-    for (std::uint32_t rank = 0; rank < points; ++rank) s.rankOf[s.shell->order[rank]] = rank;
-  }
+  s.useShell(shell);
+  sizeFor(s, shell.size());
   if (isFast(s) && options.threads > 1) {
-    s.workers = std::make_unique<QueryWorkers>(options.threads);
-    s.fast.workers = s.workers.get();
+    s.helpers = std::make_unique<QueryWorkers>(options.threads);
+    s.fast.workers = s.helpers.get();
   }
-  const std::size_t groups = s.shell->level[0].size();
-  if (options.method == QueryMethod::Hierarchy && !isFast(s)) {
-    s.frontier.resize(groups + ShellHierarchy::kArity);
-    s.nextFrontier.resize(groups + ShellHierarchy::kArity);
+  if (options.method == QueryMethod::Paper) {
+    // A body's own trees hold all its voxels.
+    const auto& body = shell.data().body;
+    preparePaper(s, body && s.thinned == nullptr ? &*body : nullptr);
   }
-  if (options.method == QueryMethod::Paper) preparePaper(s, shell.data());
 }
 
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;

@@ -19,7 +19,9 @@ namespace palpate {
 /// Distance leaves are read many points at a time by the first and the last of these.
 enum class QueryMethod : std::uint8_t { Hierarchy, Paper, BruteForce };
 
-/// Exact options never change the contact set; stopLevel and budget trade (contacts are flagged).
+/// Exact options (tightSpheres, oneChildSkip, sideOffset, threads) never change the contact set;
+/// stopLevel, contactBudget and perceptualBound trade: contacts that stand for more are flagged
+/// approximate, and are the same whatever the method and the exact options.
 struct QueryOptions {
   QueryMethod method = QueryMethod::Hierarchy;
   bool tightSpheres = true;
@@ -27,19 +29,39 @@ struct QueryOptions {
   bool sideOffset = false;
   int stopLevel = 0;                         ///< 0: down to the voxels.
   std::uint32_t contactBudget = 0xFFFFFFFF;  ///< More contacts than this: cut, and say so.
+
   /// Threads of a query, the caller included; beyond 64 are 64. Where distance leaves are read many
   /// points at a time and enough of them are live to pay for the hand-off (fast_query.h), the
-  /// others help; elsewhere they sleep. Exact: the same contacts, order and bits at any number.
-  /// They are started with the finder, and inherit scheduling and processors of the thread that
-  /// makes it.
+  /// others help; elsewhere they sleep. Order and bits are the same at any number. They are started
+  /// with the finder, and inherit scheduling and processors of the thread that makes it.
   int threads = 1;
+
+  /// Metres; 0 is off. After Otaduy & Lin's contact levels of detail ("Sensation preserving
+  /// simplification for haptic rendering", 2003): descent of the shell's hierarchy stops where what
+  /// it could still reveal is not felt. A node whose points all lie within b = perceptualBound of
+  /// one of them (the one nearest to the middle of its sphere) is not descended: that point stands
+  /// for the node, and is a contact where the leaf model finds it inside, as deep as it is. So the
+  /// contacts are some of the exact ones, bit for bit. Against those that are left out:
+  ///  - the stand-in lies within b;
+  ///  - distance leaves: its depth differs by at most L·b, and a node that goes without a contact
+  ///    holds none deeper than L·b. L = √3 where voxels are cubes: distances are 1-Lipschitz along
+  ///    each edge of a cell, so their interpolation is along each axis; else
+  ///    L = √Σ(2 − s/h)² over the spacings h, with s the smallest. Depths are stored to within
+  ///    s/1000 each. Contacts end abruptly at the box of voxel centres (and at the walls of a
+  ///    surface-only tree): a node across it may go without.
+  ///  - voxel leaves jump from voxel to voxel: b plus two diagonals of a voxel instead of L·b.
+  /// Departure: their bound is weighted by the area of contact, which takes a pass over all
+  /// contacts first; this one is the same for all, hence on the safe side where contacts are small.
+  double perceptualBound = 0.0;
 };
 
 enum class QueryStatus : std::uint8_t {
   Complete,
   OutputFull,   ///< Contacts are valid; more exist.
   BudgetSpent,  ///< Contacts are valid; some regions were not descended.
-  BadPose,      ///< X_VT not finite or not rigid; nothing written.
+  /// Contacts are valid; perceptualBound left out some points of this shell, whatever the pose.
+  Approximate,
+  BadPose,  ///< X_VT not finite or not rigid; nothing written.
 };
 
 struct QueryResult {

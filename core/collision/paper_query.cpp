@@ -424,13 +424,13 @@ class PairDescent {
 
 }  // namespace
 
-void preparePaper(QueryWork& work, const PointShell::Data& shell) {
+void preparePaper(QueryWork& work, const VoxelBody* voxels) {
   PaperWork& paper = work.paper;
   const VoxelTree::Data& tree = *work.tree;
   const SphereKind kind = kindOf(work.options);
   paper.worldSpheres = PatternSpheres(tree.bits, tree.geometry.spacing, kind, tree.level);
-  if (shell.body) {
-    paper.body = &*shell.body;
+  paper.body = voxels;
+  if (voxels != nullptr) {
     const BodyTree& body = paper.body->tree[static_cast<std::size_t>(tree.bits - 1)];
     paper.bodySpheres = PatternSpheres(tree.bits, paper.body->spacing, kind, body.level);
   }

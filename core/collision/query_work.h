@@ -6,15 +6,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "core/collision/contact_finder.h"
 #include "core/collision/fast_query.h"
 #include "core/collision/leaf_test.h"
 #include "core/collision/paper_work.h"
-#include "core/collision/query_workers.h"
 #include "core/collision/shell_hierarchy.h"
+#include "core/collision/thinned_shell.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
@@ -28,7 +27,10 @@ struct CutPoint {
 
 struct QueryWork {
   const VoxelTree::Data* tree = nullptr;
-  const ShellHierarchy* shell = nullptr;
+  const ShellHierarchy* shell = nullptr;  ///< Of the whole shell, or of what stands for it.
+  const ShellBlocks* blocks = nullptr;    ///< The same.
+  const ThinnedShell* thinned = nullptr;  ///< None: the whole shell.
+  double shellReach = 0.0;                ///< Of the points from the tool's origin, metres.
   QueryOptions options;
   int stopLevel = 0;  ///< Of the options, within the tree.
 
@@ -46,7 +48,6 @@ struct QueryWork {
   std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
   PaperWork paper;
   FastWork fast;  ///< Distance leaves, many points at a time.
-  std::unique_ptr<QueryWorkers> workers;
   PackedContacts packed;
   std::vector<std::uint32_t> rankOf;  ///< Shell index -> rank; distance leaves.
   VoxelMemo memo;
@@ -54,6 +55,11 @@ struct QueryWork {
   std::vector<std::uint64_t> present;  ///< One bit a shell index.
   std::vector<std::uint32_t> slotOf;   ///< Shell index -> place in hits or packed.
 
+  /// What a contact of this point says besides the leaf model's flags.
+  [[nodiscard]] std::uint8_t flagsOf(std::uint32_t rank) const noexcept {
+    const bool more = thinned != nullptr && thinned->standsForMore[rank] != 0;
+    return more ? std::uint8_t{kContactApproximate} : std::uint8_t{0};
+  }
   [[nodiscard]] PlacedPoint place(std::uint32_t rank) const noexcept {
     PlacedPoint point;
     pose.apply(shell->x[rank], shell->y[rank], shell->z[rank], point.p);
@@ -82,6 +88,7 @@ class PointSink {
     if (!leaf_.evaluate(point, contact)) return;
     contact.shellIndex = work_.shell->order[rank];
     contact.body = 0;
+    contact.flags |= work_.flagsOf(rank);
     work_.hitRank[work_.hitCount++] = rank;
   }
   /// The item that holds a point; false outside.
@@ -107,8 +114,8 @@ void runBruteForce(QueryWork& work) noexcept;
 template <int Bits>
 void runHierarchy(QueryWork& work) noexcept;
 /// Sizes the scratch of QueryMethod::Paper and computes its spheres; takes memory. Wants tree,
-/// shell and options set.
-void preparePaper(QueryWork& work, const PointShell::Data& shell);
+/// shell and options set. `body`: the trees of the shell's voxels, null where it has none.
+void preparePaper(QueryWork& work, const VoxelBody* body);
 template <int Bits>
 void runPaper(QueryWork& work) noexcept;
 

@@ -36,7 +36,6 @@ std::vector<SphereBlock> blocksOf(const std::vector<ShellSphere>& spheres,
 }  // namespace
 
 ShellBlocks buildShellBlocks(const ShellHierarchy& h) {
-  ShellBlocks blocks;
   Eigen::Vector3d lo(h.x[0], h.y[0], h.z[0]);
   Eigen::Vector3d hi = lo;
   for (std::size_t i = 0; i < h.size(); ++i) {
@@ -44,7 +43,12 @@ ShellBlocks buildShellBlocks(const ShellHierarchy& h) {
     lo = lo.cwiseMin(p);
     hi = hi.cwiseMax(p);
   }
-  blocks.middle = 0.5 * (lo + hi);
+  return buildShellBlocks(h, 0.5 * (lo + hi));
+}
+
+ShellBlocks buildShellBlocks(const ShellHierarchy& h, const Eigen::Vector3d& middle) {
+  ShellBlocks blocks;
+  blocks.middle = middle;
   blocks.leaf.resize((h.size() + 15) / 16);
   for (std::size_t i = 0; i < blocks.leaf.size() * 16; ++i) {
     PointBlock& leaf = blocks.leaf[i / 16];

@@ -37,6 +37,9 @@ struct ShellBlocks {
   std::size_t start = 0;                             ///< The level where a descent begins.
 };
 
+/// About the middle of the box of the hierarchy's points, or about a given one (T, metres).
 [[nodiscard]] ShellBlocks buildShellBlocks(const ShellHierarchy& hierarchy);
+[[nodiscard]] ShellBlocks buildShellBlocks(const ShellHierarchy& hierarchy,
+                                           const Eigen::Vector3d& middle);
 
 }  // namespace palpate

@@ -60,6 +60,9 @@ void readQuery(TomlTable& table, QueryOptions& query) {
   query.stopLevel = static_cast<int>(stopLevel);
   table.integer("contact_budget", query.contactBudget,
                 {1, static_cast<double>(std::numeric_limits<std::uint32_t>::max())});
+  double perceptual_mm = 0.0;
+  table.number("perceptual_mm", perceptual_mm, {0.0, 100.0});
+  query.perceptualBound = metres(perceptual_mm);
 }
 
 void readSetting(TomlTable& table, SimulationSetting& setting) {
@@ -122,8 +125,8 @@ Result<Scene> sceneFrom(TomlFile file) {
     TomlTable table(
         file, *setting, "setting.",
         {"branching", "leaf", "surface_only", "method", "tight_spheres", "one_child_skip",
-         "side_offset", "stop_level", "contact_budget", "shell_spacing_mm", "step_period_ms",
-         "contact_capacity", "solver_iterations", "friction"});
+         "side_offset", "stop_level", "contact_budget", "perceptual_mm", "shell_spacing_mm",
+         "step_period_ms", "contact_capacity", "solver_iterations", "friction"});
     readSetting(table, scene.setting);
   }
   if (file.error) return fail(*file.error);
@@ -164,6 +167,9 @@ std::string settingText(const SimulationSetting& setting) {
   line("stop_level", std::to_string(query.stopLevel));
   if (query.contactBudget != QueryOptions{}.contactBudget) {
     line("contact_budget", std::to_string(query.contactBudget));
+  }
+  if (query.perceptualBound > 0.0) {
+    line("perceptual_mm", exactText(exactMillimetres(query.perceptualBound)));
   }
   if (setting.shellSpacing > 0.0) {
     line("shell_spacing_mm", exactText(exactMillimetres(setting.shellSpacing)));

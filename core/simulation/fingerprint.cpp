@@ -59,6 +59,8 @@ std::uint64_t ofSetting(const SimulationSetting& setting, std::uint64_t seed) {
   row.add(setting.query.sideOffset);
   row.add(setting.query.stopLevel);
   row.add(setting.query.contactBudget);
+  // Only where it is used: sessions from before it keep their fingerprints.
+  if (setting.query.perceptualBound > 0.0) row.add(setting.query.perceptualBound);
   row.add(setting.shellSpacing);
   row.add(setting.stepPeriod);
   row.add(setting.contactCapacity);

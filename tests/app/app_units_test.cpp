@@ -181,6 +181,7 @@ TEST(Accuracy, ReferenceIsBruteForceAndNeverCoarser) {
   SimulationSetting recorded;
   recorded.query.stopLevel = 2;
   recorded.query.contactBudget = 10;
+  recorded.query.perceptualBound = 1e-3;
   recorded.solverIterations = 5;
   const auto setting = settingOfAccuracy("reference", recorded);
   ASSERT_TRUE(setting);
@@ -188,6 +189,7 @@ TEST(Accuracy, ReferenceIsBruteForceAndNeverCoarser) {
   EXPECT_EQ(setting->query.stopLevel, 0);
   EXPECT_EQ(setting->solverIterations, 1000U);
   EXPECT_EQ(setting->query.contactBudget, QueryOptions{}.contactBudget);
+  EXPECT_EQ(setting->query.perceptualBound, 0.0);
   EXPECT_FALSE(settingOfAccuracy("perfect", recorded));
 }
 

@@ -271,7 +271,7 @@ TEST(CollideOptions, AreSetByNameAndRefusedWithTheList) {
   TreeOptions tree;
   QueryOptions query;
   ASSERT_TRUE(applyCollideOptions({"surface_only=on", "tight_spheres=0", "side_offset=yes",
-                                   "stop_level=2", "contact_budget=500"},
+                                   "stop_level=2", "contact_budget=500", "perceptual_mm=0.5"},
                                   tree, query));
   EXPECT_TRUE(tree.surfaceOnly);
   EXPECT_FALSE(query.tightSpheres);
@@ -279,8 +279,10 @@ TEST(CollideOptions, AreSetByNameAndRefusedWithTheList) {
   EXPECT_TRUE(query.sideOffset);
   EXPECT_EQ(query.stopLevel, 2);
   EXPECT_EQ(query.contactBudget, 500U);
-  for (const char* bad : {"stop_level", "stop_level=", "stop_level=-1", "side_offset=perhaps",
-                          "contact_budget=1e3", "nothing=1"}) {
+  EXPECT_DOUBLE_EQ(query.perceptualBound, 0.5e-3);
+  for (const char* bad :
+       {"stop_level", "stop_level=", "stop_level=-1", "side_offset=perhaps", "contact_budget=1e3",
+        "nothing=1", "perceptual_mm=-1", "perceptual_mm=nan", "perceptual_mm=0.5mm"}) {
     const auto refused = applyCollideOptions({bad}, tree, query);
     ASSERT_FALSE(refused) << bad;
     EXPECT_EQ(refused.error().kind, ErrorKind::Usage);

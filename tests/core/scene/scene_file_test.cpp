@@ -25,6 +25,7 @@ Scene unusualScene() {
   scene.device = "touch";
   scene.setting.tree = {Branching::Children512, LeafModel::Voxel, true};
   scene.setting.query = {QueryMethod::Paper, false, false, true, 2, 777};
+  scene.setting.query.perceptualBound = 0.43e-3;
   scene.setting.shellSpacing = 0.37e-3;
   scene.setting.stepPeriod = 3e-3;
   scene.setting.contactCapacity = 1234;
@@ -55,6 +56,7 @@ TEST(SceneFile, EveryFieldSurvivesARoundTripToTheBit) {
   EXPECT_EQ(b.query.sideOffset, a.query.sideOffset);
   EXPECT_EQ(b.query.stopLevel, a.query.stopLevel);
   EXPECT_EQ(b.query.contactBudget, a.query.contactBudget);
+  EXPECT_EQ(b.query.perceptualBound, a.query.perceptualBound);
   EXPECT_EQ(b.shellSpacing, a.shellSpacing);
   EXPECT_EQ(b.stepPeriod, a.stepPeriod);
   EXPECT_EQ(b.contactCapacity, a.contactCapacity);
