@@ -6,6 +6,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "core/collision/contact_budget.h"
 #include "core/collision/query_work.h"
 
 namespace palpate {
@@ -76,50 +77,6 @@ void resolveCuts(QueryWork& work) noexcept {
   }
 }
 
-// Over budget: of every node of the shell's hierarchy, at the finest level that fits, only the
-// deepest contact stays. `nextFrontier` holds the hits in the order of rank.
-void thinToBudget(QueryWork& work) noexcept {
-  auto& byRank = work.slotOf;  // free until the hits are indexed
-  for (std::size_t i = 0; i < work.hitCount; ++i) byRank[i] = static_cast<std::uint32_t>(i);
-  const auto begin = byRank.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(work.hitCount);
-  std::sort(begin, end, [&work](std::uint32_t a, std::uint32_t b) {
-    return work.hitRank[a] < work.hitRank[b];
-  });
-  std::size_t level = 0;
-  for (; level + 1 < work.shell->level.size(); ++level) {
-    const std::size_t points = ShellHierarchy::pointsPerNode(level);
-    std::size_t groups = 0;
-    for (auto i = begin; i != end; ++i) {
-      groups += i == begin || work.hitRank[*i] / points != work.hitRank[*(i - 1)] / points ? 1 : 0;
-    }
-    if (groups <= work.options.contactBudget) break;
-  }
-  const std::size_t points = ShellHierarchy::pointsPerNode(level);
-  const auto better = [&work](std::uint32_t a, std::uint32_t b) {
-    const Contact& ca = work.hits[a];
-    const Contact& cb = work.hits[b];
-    return ca.depth != cb.depth ? ca.depth > cb.depth : ca.shellIndex < cb.shellIndex;
-  };
-  std::size_t kept = 0;
-  for (auto i = begin; i != end;) {
-    auto best = i;
-    const std::size_t group = work.hitRank[*i] / points;
-    for (; i != end && work.hitRank[*i] / points == group; ++i) {
-      if (better(*i, *best)) best = i;
-    }
-    if (kept < work.options.contactBudget) work.cuts[kept++].rank = *best;
-  }
-  // The kept places in ascending order, so that moving hits forward overwrites none still needed.
-  std::sort(work.cuts.begin(), work.cuts.begin() + static_cast<std::ptrdiff_t>(kept),
-            [](const CutPoint& a, const CutPoint& b) { return a.rank < b.rank; });
-  for (std::size_t i = 0; i < kept; ++i) {
-    work.hits[i] = work.hits[work.cuts[i].rank];
-    work.hits[i].flags |= kContactApproximate;
-  }
-  work.hitCount = kept;
-}
-
 // Distance leaves, whole: many points at a time.
 bool isFast(const QueryWork& work) noexcept {
   return work.tree->options.leaf == LeafModel::Distance && !work.tree->options.surfaceOnly &&
@@ -137,17 +94,7 @@ void unpack(const QueryWork& work, const LeafTest<Bits>& leaf, std::size_t i,
   contact.shellIndex = index;
   contact.body = 0;
   contact.flags |= work.flagsOf(work.rankOf[index]);
-}
-
-template <int Bits>
-void unpackAll(QueryWork& work) noexcept {
-  const LeafTest<Bits> leaf(*work.tree, work.memo);
-  for (std::size_t i = 0; i < work.packed.count; ++i) {
-    unpack<Bits>(work, leaf, i, work.hits[i]);
-    work.hitRank[i] = work.rankOf[work.packed.index[i]];
-  }
-  work.hitCount = work.packed.count;
-  work.packed.count = 0;
+  if (work.overBudget) contact.flags |= kContactApproximate;
 }
 
 void pack(QueryWork& work) noexcept {
@@ -196,7 +143,7 @@ std::size_t writeInOrder(QueryWork& work, std::span<Contact> out) noexcept {
 
 // Leaves the contacts in `packed` or in `hits`.
 template <int Bits>
-QueryStatus collect(QueryWork& work) noexcept {
+void collect(QueryWork& work) noexcept {
   work.hitCount = 0;
   work.cutCount = 0;
   work.packed.count = 0;
@@ -208,12 +155,17 @@ QueryStatus collect(QueryWork& work) noexcept {
     runMethod<Bits>(work);
     if (work.stopLevel > 0) resolveCuts<Bits>(work);
   }
-  if (work.packed.count + work.hitCount <= work.options.contactBudget) {
-    return work.thinned != nullptr ? QueryStatus::Approximate : QueryStatus::Complete;
+  work.overBudget = work.packed.count + work.hitCount > work.options.contactBudget;
+}
+
+void placeAt(QueryWork& work, const Eigen::Isometry3d& X_VT) noexcept {
+  const Eigen::Vector3d& spacing = work.tree->geometry.spacing;
+  work.pose = QueryPose::of(X_VT);
+  work.cellPose = CellPose(X_VT, work.blocks->middle, work.blocks->reach, spacing);
+  work.slack = slackFor(*work.tree, work.shellReach, work.pose);
+  if (work.fast.shell != nullptr) {
+    work.slack += static_cast<double>(work.cellPose.slack) * spacing.minCoeff();
   }
-  if (work.packed.count > 0) unpackAll<Bits>(work);
-  thinToBudget(work);
-  return QueryStatus::BudgetSpent;
 }
 
 // Calls f for the tree's branching.
@@ -231,38 +183,9 @@ auto withBits(const VoxelTree::Data& tree, F&& f) noexcept {
 
 }  // namespace
 
-struct ContactFinder::Scratch : QueryWork {
-  std::optional<ThinnedShell> felt;  // what the perceptual bound leaves
-  std::unique_ptr<QueryWorkers> helpers;
-
-  [[nodiscard]] bool placeAt(const Eigen::Isometry3d& X_VT) noexcept {
-    if (!isRigidPose(X_VT)) return false;
-    pose = QueryPose::of(X_VT);
-    cellPose = CellPose(X_VT, blocks->middle, blocks->reach, tree->geometry.spacing);
-    slack = slackFor(*tree, shellReach, pose);
-    if (fast.shell != nullptr) {
-      slack += static_cast<double>(cellPose.slack) * tree->geometry.spacing.minCoeff();
-    }
-    return true;
-  }
-
-  void useShell(const PointShell& whole) {
-    const PointShell::Data& data = whole.data();
-    shell = &data.hierarchy;
-    blocks = &data.blocks;
-    shellReach = whole.reach();
-    if (!(options.perceptualBound > 0.0)) return;
-    felt = thinToBound(data.hierarchy, data.blocks, options.perceptualBound);
-    if (felt->hierarchy.size() == whole.size()) return;  // no node is as small as that
-    thinned = &*felt;
-    shell = &felt->hierarchy;
-    blocks = &felt->blocks;
-  }
-};
-
 namespace {
 
-// `indices`: how many there are in the whole shell.
+// Sizes what a query of this shell needs. @param indices  of the whole shell.
 void sizeFor(QueryWork& work, std::size_t indices) {
   const std::size_t points = work.shell->size();
   work.hits.resize(points);
@@ -286,64 +209,109 @@ void sizeFor(QueryWork& work, std::size_t indices) {
   }
 }
 
+void useShell(QueryWork& work, const ThinnedShell& thinned) {
+  work.thinned = &thinned;
+  work.shell = &thinned.hierarchy;
+  work.blocks = &thinned.blocks;
+}
+
 }  // namespace
+
+struct ContactFinder::Scratch {
+  std::optional<ThinnedShell> felt;  // what the perceptual bound leaves
+  std::vector<ThinnedShell> before;  // what the budget asks first
+  std::unique_ptr<QueryWorkers> workers;
+  std::vector<QueryWork> work;  // a shell each, in the order of asking; the last has all points
+  QueryWork* answer = nullptr;  // of the last findPacked()
+
+  void add(const QueryWork& like, const ThinnedShell* thinned, const PointShell& whole) {
+    QueryWork& added = work.emplace_back(like);
+    if (thinned != nullptr) useShell(added, *thinned);
+    sizeFor(added, whole.size());
+    added.fast.workers = workers.get();
+    if (added.options.method != QueryMethod::Paper) return;
+    const auto& body = whole.data().body;  // its own trees hold all its voxels
+    preparePaper(added, body && added.thinned == nullptr ? &*body : nullptr);
+  }
+
+  // Up to the first shell with more contacts than the budget, or the last; the others' tests count.
+  [[nodiscard]] QueryWork& query(const Eigen::Isometry3d& X_VT, QueryResult& result) noexcept {
+    QueryWork* deciding = nullptr;
+    for (QueryWork& next : work) {
+      deciding = &next;
+      placeAt(next, X_VT);
+      withBits(*next.tree, [&](auto bits) { collect<bits>(next); });
+      result.tests += next.tests;
+      if (next.overBudget) break;
+    }
+    if (deciding->overBudget) {
+      keepDeepest(*deciding);
+      result.status = QueryStatus::BudgetSpent;
+    } else if (felt) {
+      result.status = QueryStatus::Approximate;
+    }
+    return *deciding;
+  }
+};
 
 ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
                              const QueryOptions& options)
     : scratch_(std::make_unique<Scratch>()) {
   Scratch& s = *scratch_;
-  s.tree = &tree.data();
-  s.options = options;
-  s.stopLevel = std::clamp(options.stopLevel, 0, s.tree->levels);
-  s.useShell(shell);
-  sizeFor(s, shell.size());
-  if (isFast(s) && options.threads > 1) {
-    s.helpers = std::make_unique<QueryWorkers>(options.threads);
-    s.fast.workers = s.helpers.get();
+  QueryWork first;
+  first.tree = &tree.data();
+  first.options = options;
+  first.stopLevel = std::clamp(options.stopLevel, 0, first.tree->levels);
+  first.shell = &shell.data().hierarchy;
+  first.blocks = &shell.data().blocks;
+  first.shellReach = shell.reach();
+  if (options.perceptualBound > 0.0) {
+    s.felt = thinToBound(*first.shell, *first.blocks, options.perceptualBound);
+    if (s.felt->hierarchy.size() == shell.size()) s.felt.reset();  // no node is as small as that
+    if (s.felt) useShell(first, *s.felt);
   }
-  if (options.method == QueryMethod::Paper) {
-    // A body's own trees hold all its voxels.
-    const auto& body = shell.data().body;
-    preparePaper(s, body && s.thinned == nullptr ? &*body : nullptr);
+  if (isFast(first) && options.threads > 1) {
+    s.workers = std::make_unique<QueryWorkers>(options.threads);
   }
+  s.before = shellsBefore(*first.shell, *first.blocks, options.contactBudget);
+  s.work.reserve(s.before.size() + 1);
+  for (const ThinnedShell& thinned : s.before) s.add(first, &thinned, shell);
+  s.add(first, nullptr, shell);
+  s.answer = &s.work.back();
 }
 
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder::~ContactFinder() = default;
 
 QueryResult ContactFinder::find(const Eigen::Isometry3d& X_VT, std::span<Contact> out) noexcept {
-  Scratch& s = *scratch_;
   QueryResult result;
-  if (!s.placeAt(X_VT)) {
+  if (!isRigidPose(X_VT)) {
     result.status = QueryStatus::BadPose;
     return result;
   }
-  withBits(*s.tree, [&](auto bits) {
-    result.status = collect<bits>(s);
-    if (s.packed.count + s.hitCount > out.size()) result.status = QueryStatus::OutputFull;
-    result.contactCount = writeInOrder<bits>(s, out);
-  });
-  result.tests = s.tests;
+  QueryWork& work = scratch_->query(X_VT, result);
+  if (work.packed.count + work.hitCount > out.size()) result.status = QueryStatus::OutputFull;
+  withBits(*work.tree, [&](auto bits) { result.contactCount = writeInOrder<bits>(work, out); });
   return result;
 }
 
 QueryResult ContactFinder::findPacked(const Eigen::Isometry3d& X_VT) noexcept {
   Scratch& s = *scratch_;
+  s.answer = &s.work.back();
+  s.answer->packed.count = 0;
   QueryResult result;
-  s.packed.count = 0;
-  if (!s.placeAt(X_VT)) {
+  if (!isRigidPose(X_VT)) {
     result.status = QueryStatus::BadPose;
     return result;
   }
-  withBits(*s.tree, [&](auto bits) { result.status = collect<bits>(s); });
-  if (s.hitCount > 0) pack(s);
-  result.contactCount = s.packed.count;
-  result.tests = s.tests;
+  s.answer = &s.query(X_VT, result);
+  if (s.answer->hitCount > 0) pack(*s.answer);
+  result.contactCount = s.answer->packed.count;
   return result;
 }
 
 const PackedContacts& ContactFinder::packed() const noexcept {
-  return scratch_->packed;
+  return scratch_->answer->packed;
 }
 
 }  // namespace palpate

@@ -27,8 +27,17 @@ struct QueryOptions {
   bool tightSpheres = true;
   bool oneChildSkip = true;
   bool sideOffset = false;
-  int stopLevel = 0;                         ///< 0: down to the voxels.
-  std::uint32_t contactBudget = 0xFFFFFFFF;  ///< More contacts than this: cut, and say so.
+  int stopLevel = 0;  ///< 0: down to the voxels.
+
+  /// More contacts than this: cut, and say so. Before the whole shell one point for each node of
+  /// its hierarchy's levels is asked, the coarsest level with more nodes than the budget first; a
+  /// level that has more contacts than the budget already promises too many, and nothing finer is
+  /// looked at. So no more than about 16 times the budget's contacts are ever found, and time
+  /// follows. Then the deepest of those found stays in every node, at the finest level of nodes
+  /// that fits. Where the cut came before the points themselves, the deepest is that of the nodes'
+  /// points nearest to their middles: others may be deeper, by up to what perceptualBound says of a
+  /// node of that size. Below the budget nothing changes but a sixteenth of the time.
+  std::uint32_t contactBudget = 0xFFFFFFFF;
 
   /// Threads of a query, the caller included; beyond 64 are 64. Where distance leaves are read many
   /// points at a time and enough of them are live to pay for the hand-off (fast_query.h), the

@@ -38,6 +38,7 @@ struct QueryWork {
   CellPose cellPose;
   double slack = 0.0;  ///< Metres added to every radius: more than rounding can err at this pose.
   std::uint32_t tests = 0;
+  bool overBudget = false;  ///< More contacts were found than the options' budget.
 
   std::vector<Contact> hits;  ///< In the order of discovery.
   std::vector<std::uint32_t> hitRank;

@@ -24,6 +24,14 @@ class Thinning {
     for (std::size_t c = child; c < end; ++c) toBound(level - 1, c, bound);
   }
 
+  void toLevel(std::size_t level) {
+    const std::size_t points = ShellHierarchy::pointsPerNode(level);
+    for (std::size_t node = 0; node < shell_.level[level].size(); ++node) {
+      const std::size_t last = std::min((node + 1) * points, shell_.size());
+      keep(standIn(shell_.level[level][node], node * points, last), last - node * points > 1);
+    }
+  }
+
   [[nodiscard]] ThinnedShell build(const ShellBlocks& blocks) const {
     std::vector<Eigen::Vector3d> points;
     for (const std::size_t rank : kept_) points.push_back(point(rank));
@@ -76,6 +84,13 @@ class Thinning {
 ThinnedShell thinToBound(const ShellHierarchy& shell, const ShellBlocks& blocks, double bound) {
   Thinning thinning(shell);
   thinning.toBound(shell.level.size() - 1, 0, bound);
+  return thinning.build(blocks);
+}
+
+ThinnedShell thinToLevel(const ShellHierarchy& shell, const ShellBlocks& blocks,
+                         std::size_t level) {
+  Thinning thinning(shell);
+  thinning.toLevel(level);
   return thinning.build(blocks);
 }
 

@@ -27,5 +27,8 @@ struct ThinnedShell {
 /// such node on the way down), and every point that is in none.
 [[nodiscard]] ThinnedShell thinToBound(const ShellHierarchy& shell, const ShellBlocks& blocks,
                                        double bound);
+/// One point for every node of a level.
+[[nodiscard]] ThinnedShell thinToLevel(const ShellHierarchy& shell, const ShellBlocks& blocks,
+                                       std::size_t level);
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/collision/contact_finder.h"
+#include "core/collision/shell_hierarchy.h"
 #include "core/voxels/voxel_tree_data.h"
 #include "tests/core/collision/oracle.h"
 #include "tests/core/voxels/test_volumes.h"
@@ -172,7 +173,8 @@ TEST(ContactFinderLimits, ABudgetKeepsTheDeepestOfEachRegionForEveryMethod) {
         });
         EXPECT_NE(same, all.end());
       }
-      if (budget > 0) {
+      // Only a cut that comes before the points themselves may miss the deepest.
+      if (budget >= scene.shell.data().hierarchy.level[0].size()) {
         EXPECT_EQ(kept, deepest);
       }
       if (first.empty()) first = indices;
@@ -182,6 +184,42 @@ TEST(ContactFinderLimits, ABudgetKeepsTheDeepestOfEachRegionForEveryMethod) {
   QueryOptions enough;
   enough.contactBudget = static_cast<std::uint32_t>(all.size());
   EXPECT_EQ(findAll(scene.tree, scene.shell, enough, scene.X).size(), all.size());
+}
+
+TEST(ContactFinderLimits, ABudgetLimitsTheWorkToo) {
+  Scene scene(5);
+  const PointShell shell = randomShell(scene.rng, 20000, 0.3 * scene.middle);
+  const auto query = [&](QueryMethod method, std::uint32_t budget, const Eigen::Isometry3d& X) {
+    QueryOptions options;
+    options.method = method;
+    options.contactBudget = budget;
+    return ContactFinder(scene.tree, shell, options).findPacked(X);
+  };
+  Eigen::Isometry3d grazing = scene.X;
+  grazing.translation().x() += 11e-3;
+  for (const QueryMethod method : kMethods) {
+    const QueryResult exact = query(method, 0xFFFFFFFF, scene.X);
+    ASSERT_GT(exact.contactCount, 18000U) << "nearly all points are inside";
+    // One point of sixteen, or of 256, is looked at; against each of them the paper's method tests
+    // a path of the world's tree.
+    const std::uint32_t share = method == QueryMethod::Paper ? 4 : 1;
+    for (const auto& [budget, saving] : {std::pair{600U, 12U}, {50U, 60U}}) {
+      const QueryResult cut = query(method, budget, scene.X);
+      EXPECT_EQ(cut.status, QueryStatus::BudgetSpent);
+      EXPECT_LT(cut.tests, exact.tests / saving * share);
+      EXPECT_LE(cut.contactCount, budget);
+      EXPECT_GT(cut.contactCount, budget / 16);
+    }
+    // A budget that is not reached costs the tests of a coarser shell, and changes nothing.
+    const QueryResult few = query(method, 0xFFFFFFFF, grazing);
+    ASSERT_GT(few.contactCount, 20U);
+    ASSERT_LT(few.contactCount, 1250U) << "no coarser shell would be asked";
+    const QueryResult below = query(method, static_cast<std::uint32_t>(few.contactCount), grazing);
+    EXPECT_EQ(below.status, QueryStatus::Complete);
+    EXPECT_EQ(below.contactCount, few.contactCount);
+    EXPECT_GT(below.tests, few.tests);
+    EXPECT_LT(below.tests, few.tests + few.tests / 2);
+  }
 }
 
 TEST(ContactFinderLimits, AStopLevelGivesOneFlaggedContactANode) {
