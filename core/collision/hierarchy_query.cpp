@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/collision/pose_stretch.h"
 #include "core/collision/query_work.h"
 
 namespace palpate {
@@ -131,6 +132,7 @@ class SphereProbe {
 template <int Bits>
 void runHierarchy(QueryWork& work) noexcept {
   const ShellHierarchy& shell = *work.shell;
+  const double stretch = stretchOf(work.pose.r);
   std::size_t count = 1;
   work.frontier[0] = 0;  // the root
   for (std::size_t l = shell.level.size(); l-- > 0;) {
@@ -140,7 +142,7 @@ void runHierarchy(QueryWork& work) noexcept {
       const ShellSphere& sphere = shell.level[l][node];
       double centre[3];
       work.pose.apply(sphere.c[0], sphere.c[1], sphere.c[2], centre);
-      SphereProbe<Bits> probe(*work.tree, work.stopLevel, centre, sphere.r + work.slack);
+      SphereProbe<Bits> probe(*work.tree, work.stopLevel, centre, sphere.r * stretch + work.slack);
       if (!probe.touches(work.tests)) continue;
       if (l == 0) {
         work.nextFrontier[next++] = node;

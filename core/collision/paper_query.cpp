@@ -24,6 +24,7 @@
 #include <span>
 #include <utility>
 
+#include "core/collision/pose_stretch.h"
 #include "core/collision/query_work.h"
 
 namespace palpate {
@@ -46,21 +47,6 @@ SphereKind kindOf(const QueryOptions& options) noexcept {
   return options.tightSpheres ? SphereKind::Tight
          : options.sideOffset ? SphereKind::SideOffset
                               : SphereKind::Full;
-}
-
-// How long the axes (columns) can make a vector of length one. A pose that is taken may be off a
-// rotation by a millionth, and spheres must hold what it stretches.
-double stretchOf(const double axes[3][3]) noexcept {
-  double square = 0.0;  // of the Frobenius norm of A^T·A − I: no eigenvalue of A^T·A is beyond it
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double dot =
-          axes[0][i] * axes[0][j] + axes[1][i] * axes[1][j] + axes[2][i] * axes[2][j];
-      const double e = dot - (i == j ? 1.0 : 0.0);
-      square += e * e;
-    }
-  }
-  return std::sqrt(1.0 + std::sqrt(square));
 }
 
 // An N-tree of voxels as it stands in V: the world's with the frame's own axes, a body's with

@@ -126,6 +126,29 @@ TEST(ContactFinderLimits, RoundingFarFromTheToolsOriginHidesNoContact) {
   EXPECT_LT(touching, 1500);
 }
 
+// The end of a needle of 0.1 m, 40 nm longer than a rotation would have it, 10 nm within the corner
+// of the only voxel, which is the corner of its node too.
+TEST(ContactFinderLimits, APoseThatStretchesALittleHidesNoContact) {
+  const auto grid =
+      testing_volumes::makeGrid({9, 9, 9}, Eigen::Vector3d::Constant(1e-3),
+                                [](int i, int j, int k) { return i == 7 && j == 7 && k == 7; });
+  const auto tree = VoxelTree::build(grid, {}, {Branching::Children64, LeafModel::Voxel, false});
+  ASSERT_TRUE(tree);
+  const PointShell needle =
+      PointShell::fromPoints({{-0.1, 0, 0}, {0.1, 0, 0}}, {{1, 0, 0}, {1, 0, 0}}).value();
+  const Eigen::Vector3d out = Eigen::Vector3d::Ones().normalized();
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.linear() = (1 + 4e-7) *
+               Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), out).toRotationMatrix();
+  X.translation() =
+      grid.geometry.centre_V(7.5, 7.5, 7.5) - 1e-8 * out - X.linear() * needle.points_T()[0];
+  for (const QueryMethod method : kMethods) {
+    QueryOptions options;
+    options.method = method;
+    EXPECT_EQ(findAll(*tree, needle, options, X).size(), 1U);
+  }
+}
+
 TEST(ContactFinderLimits, AShortOutputGetsTheLowestIndicesAndSaysSo) {
   Scene scene(3);
   const auto all = findAll(scene.tree, scene.shell, {}, scene.X);
