@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kKeys =
-    "surface_only, tight_spheres, one_child_skip, side_offset (on or off), stop_level, "
+    "surface_only, tight_spheres, one_child_skip, side_offset, coherence (on or off), stop_level, "
     "contact_budget (whole numbers), perceptual_mm (a length)";
 
 std::optional<bool> switchOf(std::string_view text) {
@@ -39,6 +39,7 @@ bool* switchNamed(std::string_view key, TreeOptions& tree, QueryOptions& query) 
   if (key == "tight_spheres") return &query.tightSpheres;
   if (key == "one_child_skip") return &query.oneChildSkip;
   if (key == "side_offset") return &query.sideOffset;
+  if (key == "coherence") return &query.coherence;
   return nullptr;
 }
 

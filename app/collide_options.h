@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Keys: surface_only, tight_spheres, one_child_skip, side_offset (on/off), stop_level,
+/// Keys: surface_only, tight_spheres, one_child_skip, side_offset, coherence (on/off), stop_level,
 /// contact_budget (whole numbers), perceptual_mm (0 to 100). Unknown keys and values are usage
 /// errors that list what is known; a later option wins.
 [[nodiscard]] Result<void> applyCollideOptions(const std::vector<std::string>& options,

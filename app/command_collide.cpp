@@ -92,6 +92,7 @@ nlohmann::ordered_json optionsJson(const TreeOptions& tree, const QueryOptions& 
           {"tight_spheres", query.tightSpheres},
           {"one_child_skip", query.oneChildSkip},
           {"side_offset", query.sideOffset},
+          {"coherence", query.coherence},
           {"stop_level", query.stopLevel},
           {"contact_budget", query.contactBudget},
           {"perceptual_mm", millimetres(query.perceptualBound)},
@@ -237,7 +238,7 @@ void addCollideCommand(CommandSet& commands) {
       ->capture_default_str();
   sub->add_option(
       "--option", options->options,
-      "KEY=VALUE: surface_only, tight_spheres, one_child_skip, side_offset (on, off), "
+      "KEY=VALUE: surface_only, tight_spheres, one_child_skip, side_offset, coherence (on, off), "
       "stop_level, contact_budget (numbers), perceptual_mm (descent of the shell stops "
       "where it could reveal no more than this). surface_only misses most contacts of a "
       "pressed-in tool");

@@ -195,6 +195,7 @@ void sizeFor(QueryWork& work, std::size_t indices) {
   work.cuts.resize(points);
   work.packed = PackedContacts(work.blocks->leaf.size() * 16);
   if (work.tree->options.leaf == LeafModel::Distance) {
+    work.fast.nearby.wanted = work.options.coherence;
     work.fast.prepare(work.tree->depth, work.tree->extent, *work.blocks,
                       work.tree->geometry.spacing.minCoeff());
     work.rankOf.resize(indices);

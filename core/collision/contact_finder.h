@@ -19,9 +19,9 @@ namespace palpate {
 /// Distance leaves are read many points at a time by the first and the last of these.
 enum class QueryMethod : std::uint8_t { Hierarchy, Paper, BruteForce };
 
-/// Exact options (tightSpheres, oneChildSkip, sideOffset, threads) never change the contact set;
-/// stopLevel, contactBudget and perceptualBound trade: contacts that stand for more are flagged
-/// approximate, and are the same whatever the method and the exact options.
+/// Exact options (tightSpheres, oneChildSkip, sideOffset, threads, coherence) never change the
+/// contact set; stopLevel, contactBudget and perceptualBound trade: contacts that stand for more
+/// are flagged approximate, and are the same whatever the method and the exact options.
 struct QueryOptions {
   QueryMethod method = QueryMethod::Hierarchy;
   bool tightSpheres = true;
@@ -44,6 +44,13 @@ struct QueryOptions {
   /// others help; elsewhere they sleep. Order and bits are the same at any number. They are started
   /// with the finder, and inherit scheduling and processors of the thread that makes it.
   int threads = 1;
+
+  /// Remember the nodes near the last pose and descend from these alone while the tool has moved
+  /// less than a margin (fast_query.h; QueryMethod::Hierarchy on whole distance leaves, elsewhere
+  /// it does nothing). Off, since it is worth little today: out of reach 0.23 -> 0.08 µs for
+  /// 100,000 points, but in contact, where the leaves cost and not the nodes above them, 0.98
+  /// to 1.04 of the time without, sliding, approaching and teleporting alike.
+  bool coherence = false;
 
   /// Metres; 0 is off. After Otaduy & Lin's contact levels of detail ("Sensation preserving
   /// simplification for haptic rendering", 2003): descent of the shell's hierarchy stops where what

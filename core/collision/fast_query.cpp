@@ -69,7 +69,8 @@ void findFastHere(FastWork& work, const CellPose& pose, bool everyPoint, PackedC
   if (everyPoint) {
     for (std::size_t i = 0; i < count; ++i) work.frontier[i] = static_cast<std::uint32_t>(i);
   } else {
-    count = descend(work, frame);
+    count = work.nearby.wanted && work.shell->start > 0 ? descendNearby(work, frame)
+                                                        : descend(work, frame, 0);
   }
   work.tests += static_cast<std::uint32_t>(count * 16);
   if (count == 0) return;
@@ -109,6 +110,25 @@ void FastWork::prepare(const DepthBricks& depth, const std::array<std::int32_t, 
   const std::size_t nodes = blocks.leaf.size() + 64;
   frontier.assign(nodes, 0);
   next.assign(nodes, 0);
+  nearby.node.assign(nearby.wanted ? nodes : 0, 0);
+  nearby.known = false;
+}
+
+// A point's move is at most that of the middle and that of the turn at the shell's reach. What the
+// sums in single precision err by is in the radii's slack; the thousandth is for those of here.
+bool NearbyNodes::hold(const CellPose& pose, const float edge[3], double reach) const noexcept {
+  if (!known) return false;
+  double move2 = 0.0;
+  double turn2 = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    const double t = static_cast<double>(edge[a]) * (double{pose.t[a]} - double{at.t[a]});
+    move2 += t * t;
+    for (int b = 0; b < 3; ++b) {
+      const double m = static_cast<double>(edge[a]) * (double{pose.m[a][b]} - double{at.m[a][b]});
+      turn2 += m * m;
+    }
+  }
+  return std::sqrt(move2) + std::sqrt(turn2) * reach <= double{kMargin} - 1e-3;
 }
 
 void findFast(FastWork& work, const CellPose& pose, bool everyPoint, PackedContacts& out) noexcept {

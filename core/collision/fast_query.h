@@ -35,6 +35,22 @@ inline constexpr std::int32_t kFractionOne = 16384;
 inline constexpr std::size_t kLeavesToShare = 512;
 inline constexpr std::size_t kLeavesToWake = 3072;
 
+/// The nodes above the leaves that were live with radii grown by a margin: for as long as the shell
+/// has moved by less, no other can hold a contact.
+struct NearbyNodes {
+  /// Smallest spacings. More lasts for more steps and lets more nodes in at each of them.
+  static constexpr float kMargin = 1.0f;
+
+  bool wanted = false;  ///< QueryOptions::coherence.
+  bool known = false;
+  CellPose at;  ///< Where `node` was found.
+  std::size_t count = 0;
+  std::vector<std::uint32_t> node;
+
+  /// May `node` be used at this pose? @param edge  of a cell along each axis, smallest spacings.
+  [[nodiscard]] bool hold(const CellPose& pose, const float edge[3], double reach) const noexcept;
+};
+
 struct FastWork {
   const DepthBricks* bricks = nullptr;
   const ShellBlocks* shell = nullptr;
@@ -44,6 +60,7 @@ struct FastWork {
   std::vector<std::uint32_t> frontier, next;  ///< Nodes of one level.
   std::uint32_t tests = 0;
   QueryWorkers* workers = nullptr;  ///< None: one thread.
+  NearbyNodes nearby;
 
   /// Both must outlive this. Allocates; the queries do not.
   void prepare(const DepthBricks& depth, const std::array<std::int32_t, 3>& cells,

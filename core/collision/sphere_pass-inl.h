@@ -6,6 +6,7 @@
 #define PALPATE_SPHERE_PASS_INL_H_
 #endif
 
+#include <algorithm>
 #include <utility>
 
 #include "core/collision/lanes-inl.h"
@@ -90,8 +91,22 @@ HWY_INLINE std::size_t testSpheres(const Frame& frame, const SphereBlock& block,
   return count;
 }
 
-/// Down the shell's hierarchy, level by level; leaves the live leaf nodes in work.frontier.
-HWY_INLINE std::size_t descend(FastWork& work, const Frame& frame) {
+/// The children of `count` nodes of a level that may touch, to work.frontier; returns how many.
+HWY_INLINE std::size_t testChildren(FastWork& work, const Frame& frame, std::size_t childLevel,
+                                    const std::uint32_t* nodes, std::size_t count) {
+  const std::vector<SphereBlock>& blocks = work.shell->level[childLevel];
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    next += testSpheres(frame, blocks[nodes[i]], nodes[i] * std::size_t{16}, &work.next[next]);
+  }
+  work.tests += static_cast<std::uint32_t>(count * 16);
+  std::swap(work.frontier, work.next);
+  return next;
+}
+
+/// Down the shell's hierarchy, level by level; leaves the live nodes of level `last` (at most that
+/// where a descent begins) in work.frontier.
+HWY_INLINE std::size_t descend(FastWork& work, const Frame& frame, std::size_t last) {
   const ShellBlocks& shell = *work.shell;
   std::size_t l = shell.start;
   std::size_t count = 0;
@@ -99,17 +114,23 @@ HWY_INLINE std::size_t descend(FastWork& work, const Frame& frame) {
     count += testSpheres(frame, shell.level[l][b], b * 16, work.frontier.data() + count);
   }
   work.tests += static_cast<std::uint32_t>(shell.count[l]);
-  while (l-- > 0) {
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t node = work.frontier[i];
-      next += testSpheres(frame, shell.level[l][node], node * 16, work.next.data() + next);
-    }
-    work.tests += static_cast<std::uint32_t>(count * 16);
-    std::swap(work.frontier, work.next);
-    count = next;
-  }
+  for (; l > last; --l) count = testChildren(work, frame, l - 1, work.frontier.data(), count);
   return count;
+}
+
+/// The same, from the nodes that were live around a past pose. Some of their leaves may be live
+/// though a node further up is not: these hold no contact.
+HWY_INLINE std::size_t descendNearby(FastWork& work, const Frame& frame) {
+  NearbyNodes& nearby = work.nearby;
+  if (!nearby.hold(frame.pose, frame.edge, work.shell->reach)) {
+    CellPose wide = frame.pose;
+    wide.slack += NearbyNodes::kMargin;
+    nearby.count = descend(work, Frame(work, wide), 1);
+    std::copy_n(work.frontier.begin(), nearby.count, nearby.node.begin());
+    nearby.at = frame.pose;
+    nearby.known = true;
+  }
+  return testChildren(work, frame, 0, nearby.node.data(), nearby.count);
 }
 
 }  // namespace HWY_NAMESPACE

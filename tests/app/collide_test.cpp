@@ -270,9 +270,10 @@ TEST_F(Collide, WrongInputIsRefusedAndNothingIsWritten) {
 TEST(CollideOptions, AreSetByNameAndRefusedWithTheList) {
   TreeOptions tree;
   QueryOptions query;
-  ASSERT_TRUE(applyCollideOptions({"surface_only=on", "tight_spheres=0", "side_offset=yes",
-                                   "stop_level=2", "contact_budget=500", "perceptual_mm=0.5"},
-                                  tree, query));
+  ASSERT_TRUE(
+      applyCollideOptions({"surface_only=on", "tight_spheres=0", "side_offset=yes", "stop_level=2",
+                           "contact_budget=500", "perceptual_mm=0.5", "coherence=on"},
+                          tree, query));
   EXPECT_TRUE(tree.surfaceOnly);
   EXPECT_FALSE(query.tightSpheres);
   EXPECT_TRUE(query.oneChildSkip);
@@ -280,6 +281,7 @@ TEST(CollideOptions, AreSetByNameAndRefusedWithTheList) {
   EXPECT_EQ(query.stopLevel, 2);
   EXPECT_EQ(query.contactBudget, 500U);
   EXPECT_DOUBLE_EQ(query.perceptualBound, 0.5e-3);
+  EXPECT_TRUE(query.coherence);
   for (const char* bad :
        {"stop_level", "stop_level=", "stop_level=-1", "side_offset=perhaps", "contact_budget=1e3",
         "nothing=1", "perceptual_mm=-1", "perceptual_mm=nan", "perceptual_mm=0.5mm"}) {

@@ -23,6 +23,7 @@ QueryOptions queryOptions(const std::string& method) {
   const double value = std::atof(method.c_str() + equals + 1);
   if (key == "threads") options.threads = static_cast<int>(value);
   if (key == "contact_budget") options.contactBudget = static_cast<std::uint32_t>(value);
+  if (key == "coherence") options.coherence = method.substr(equals + 1) == "on";
   if (key == "perceptual_mm") options.perceptualBound = value * 1e-3;
   return options;
 }
