@@ -47,7 +47,7 @@ template <int Bits>
 void runMethod(QueryWork& work) noexcept {
   switch (work.options.method) {
     case QueryMethod::Hierarchy:
-      return runHierarchy<Bits>(work);
+      return runMasks<Bits>(work);
     case QueryMethod::Paper:
       return runPaper<Bits>(work);
     case QueryMethod::BruteForce:

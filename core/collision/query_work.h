@@ -46,7 +46,7 @@ struct QueryWork {
   std::vector<CutPoint> cuts;
   std::size_t cutCount = 0;
 
-  std::vector<std::uint32_t> frontier, nextFrontier;  ///< Masks: nodes of one shell level.
+  std::vector<std::uint32_t> frontier, nextFrontier;  ///< mask_query: nodes of a shell level.
   PaperWork paper;
   FastWork fast;  ///< Distance leaves, many points at a time.
   PackedContacts packed;
@@ -113,7 +113,7 @@ class PointSink {
 template <int Bits>
 void runBruteForce(QueryWork& work) noexcept;
 template <int Bits>
-void runHierarchy(QueryWork& work) noexcept;
+void runMasks(QueryWork& work) noexcept;
 /// Sizes the scratch of QueryMethod::Paper and computes its spheres; takes memory. Wants tree,
 /// shell and options set. `body`: the trees of the shell's voxels, null where it has none.
 void preparePaper(QueryWork& work, const VoxelBody* body);

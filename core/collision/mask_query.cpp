@@ -1,4 +1,6 @@
-/// QueryMethod::Hierarchy: spheres over the shell's points, level by level, against the tree.
+/// QueryMethod::Hierarchy where fast_query.h does not apply (voxel leaves, surface-only trees, a
+/// level where descent stops): spheres over the shell's points, level by level, against the masks
+/// of the tree.
 ///
 /// A sphere survives when an item, or a whole node that is small against it, lies within its
 /// radius. The tree answers from its masks: the children of a node that the sphere's box meets
@@ -130,7 +132,7 @@ class SphereProbe {
 }  // namespace
 
 template <int Bits>
-void runHierarchy(QueryWork& work) noexcept {
+void runMasks(QueryWork& work) noexcept {
   const ShellHierarchy& shell = *work.shell;
   const double stretch = stretchOf(work.pose.r);
   std::size_t count = 1;
@@ -167,8 +169,8 @@ void runHierarchy(QueryWork& work) noexcept {
   }
 }
 
-template void runHierarchy<1>(QueryWork&) noexcept;
-template void runHierarchy<2>(QueryWork&) noexcept;
-template void runHierarchy<3>(QueryWork&) noexcept;
+template void runMasks<1>(QueryWork&) noexcept;
+template void runMasks<2>(QueryWork&) noexcept;
+template void runMasks<3>(QueryWork&) noexcept;
 
 }  // namespace palpate
