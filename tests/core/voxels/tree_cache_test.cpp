@@ -71,6 +71,15 @@ TEST(TreeCache, DamagedForeignAndOtherFilesAreRefused) {
   }
 }
 
+// With length and checksum of what is there.
+std::string forge(std::string bytes) {
+  const std::uint64_t length = bytes.size() - 64;
+  const std::uint64_t sum = XXH3_64bits(bytes.data() + 64, bytes.size() - 64);
+  std::memcpy(bytes.data() + 24, &length, 8);
+  std::memcpy(bytes.data() + 32, &sum, 8);
+  return bytes;
+}
+
 // Behind a checksum that fits, nothing may crash or be read out of bounds (sanitizers watch); most
 // is refused, what passes differs in values only.
 TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
@@ -80,13 +89,6 @@ TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
   const auto tree = VoxelTree::build(assortedGrids(kSeed)[1].grid, {}, {});
   ASSERT_TRUE(tree);
   const std::string good = treeToCache(*tree, 7);
-  const auto forge = [](std::string bytes) {
-    const std::uint64_t length = bytes.size() - 64;
-    const std::uint64_t sum = XXH3_64bits(bytes.data() + 64, bytes.size() - 64);
-    std::memcpy(bytes.data() + 24, &length, 8);
-    std::memcpy(bytes.data() + 32, &sum, 8);
-    return bytes;
-  };
   ASSERT_EQ(refusal(forge(good), 7), "accepted");
   std::string wild = good;  // the root's link lies before the last array's slack
   wild[wild.size() - LargeArray<char>::kSlackBytes - 2] = 1;
@@ -102,6 +104,18 @@ TEST(TreeCache, AForgedChecksumDoesNotMakeAFileTrusted) {
     refusals += message == "The tree's cache file contradicts itself." ? 1 : 0;
   }
   EXPECT_GT(refusals, 150);
+}
+
+// Found by fuzzing: the palette's table of distances grew with the square of the ratio.
+TEST(TreeCache, AForgedSpacingIsRefusedBeforeAnythingIsMadeOfIt) {
+  const auto tree = VoxelTree::build(assortedGrids(65)[1].grid, {}, {});
+  ASSERT_TRUE(tree);
+  const std::string good = treeToCache(*tree, 7);
+  for (const double spacing : {50.0, 1e6, 1e30, 1e300, 1e-9, 1e-300, 5e-324}) {
+    std::string bytes = good;
+    std::memcpy(bytes.data() + 64 + 12, &spacing, 8);  // along x, behind the counts
+    EXPECT_EQ(refusal(forge(bytes), 7), "The tree's cache file contradicts itself.") << spacing;
+  }
 }
 
 TEST(TreeCache, TheFingerprintKnowsLabelsGeometrySelectionAndOptions) {
