@@ -33,6 +33,11 @@ std::vector<NamedGrid> grids() {
   all.push_back({"thick slices", makeGrid({34, 33, 19}, Eigen::Vector3d(0.5, 0.5, 4), rare(900))});
   all.push_back(
       {"slices forty times as thick", makeGrid({26, 27, 9}, Eigen::Vector3d(1, 1, 40), rare(300))});
+  // A block with the region 9.2 away on one side, just beyond what its sites are searched for, and
+  // near on the other.
+  all.push_back({"two sheets about a block",
+                 makeGrid({10, 11, 40}, Eigen::Vector3d(1, 1, 2.05),
+                          [](int, int, int k) { return (k > 7 && k < 12) || k == 33; })});
   all.push_back({"one voxel in a far corner",
                  makeGrid({70, 37, 35}, Eigen::Vector3d(1, 1, 1.3),
                           [](int i, int j, int k) { return i == 69 && j == 0 && k == 34; })});
