@@ -26,13 +26,17 @@ Result<void> addPoint(const double value[6], const std::string& where, const std
     }
   }
   const Eigen::Vector3d normal(value[3], value[4], value[5]);
-  const double length = normal.norm();
-  if (!(length > 0.0) || !std::isfinite(length)) {
+  const double largest = normal.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0)) {
     return fail(
         inputRefused(where + " of the PLY file: the normal has no direction.").inFile(name));
   }
   to.points.emplace_back(metres(value[0]), metres(value[1]), metres(value[2]));
-  to.normals.push_back(normal);
+  // Of any length: brought to about 1 by a power of two, for squares of very long and very short
+  // ones do not fit a double. What is of ordinary length keeps its bits.
+  int exponent = 0;
+  static_cast<void>(std::frexp(largest, &exponent));
+  to.normals.push_back(normal.unaryExpr([=](double c) { return std::ldexp(c, -exponent); }));
   return {};
 }
 

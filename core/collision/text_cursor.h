@@ -49,7 +49,7 @@ class LineReader {
 /// The whole text as a number, or nothing.
 template <class T>
 [[nodiscard]] std::optional<T> numberOf(std::string_view text) noexcept {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;

@@ -41,6 +41,21 @@ TEST(ShellFile, ReadsAsciiPointsInMillimetres) {
   EXPECT_EQ(shell->normals_T()[0], Eigen::Vector3d::UnitZ());
 }
 
+// Squares of the longest overflow, of the shortest underflow.
+TEST(ShellFile, NormalsMayHaveAnyLength) {
+  const std::string doubles =
+      "property double x\nproperty double y\nproperty double z\n"
+      "property double nx\nproperty double ny\nproperty double nz\n";
+  for (const std::string exponent :
+       {"e-323", "e-320", "e-161", "e-30", "e0", "e30", "e200", "e307"}) {
+    const auto shell = parseShell(
+        ascii("1", "0 0 0 -4" + exponent + " 0 4" + exponent + "\n", doubles), "tool.ply");
+    ASSERT_TRUE(shell) << sentence(shell.error());
+    EXPECT_LT((shell->normals_T()[0] - Eigen::Vector3d(-1, 0, 1).normalized()).norm(), 1e-15)
+        << exponent;
+  }
+}
+
 TEST(ShellFile, ReadsBinaryInAnyOrderOfPropertiesAmongOthers) {
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\nelement camera 2\nproperty short a\nproperty double "

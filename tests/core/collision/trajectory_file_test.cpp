@@ -60,6 +60,9 @@ TEST(TrajectoryFile, BadFilesAreRefusedByLine) {
   EXPECT_NE(refusal(kHeading + "0,1,0,0,nan,0,1,0,0,0,0,1,0\n").find("tx"), std::string::npos);
   EXPECT_NE(refusal(kHeading + "0,1,0,0,inf,0,1,0,0,0,0,1,0\n").find("not a finite number"),
             std::string::npos);
+  EXPECT_NE(refusal(kHeading + "0,1,0,0,+-5,0,1,0,0,0,0,1,0\n").find("not a finite number"),
+            std::string::npos);
+  EXPECT_EQ(refusal(kHeading + "+1,+1,0,0,+5,0,1,0,0,0,0,1,0\n"), "accepted");
   EXPECT_NE(refusal(kHeading + kIdentity + "\n" + "0,1.0001,0,0,0,0,1,0,0,0,0,1,0\n")
                 .find("Line 4 of the poses: r00 to r22 are not a rotation."),
             std::string::npos);
