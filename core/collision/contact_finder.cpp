@@ -97,16 +97,26 @@ void unpack(const QueryWork& work, const LeafTest<Bits>& leaf, std::size_t i,
   if (work.overBudget) contact.flags |= kContactApproximate;
 }
 
+// In the order of rank, by walking one bit a rank; the bits are left clear.
 void pack(QueryWork& work) noexcept {
   PackedContacts& packed = work.packed;
-  packed.count = work.hitCount;
   for (std::size_t i = 0; i < work.hitCount; ++i) {
-    const Contact& c = work.hits[i];
-    packed.index[i] = c.shellIndex;
-    packed.depth[i] = static_cast<float>(c.depth);
-    packed.nx[i] = static_cast<float>(c.n[0]);
-    packed.ny[i] = static_cast<float>(c.n[1]);
-    packed.nz[i] = static_cast<float>(c.n[2]);
+    const std::uint32_t rank = work.hitRank[i];
+    work.present[rank >> 6] |= std::uint64_t{1} << (rank & 63U);
+    work.slotOf[rank] = static_cast<std::uint32_t>(i);
+  }
+  packed.count = 0;
+  for (std::size_t w = 0; packed.count < work.hitCount; ++w) {
+    for (std::uint64_t& bits = work.present[w]; bits != 0; bits &= bits - 1) {
+      const auto rank = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      const Contact& c = work.hits[work.slotOf[rank]];
+      packed.index[packed.count] = c.shellIndex;
+      packed.depth[packed.count] = static_cast<float>(c.depth);
+      packed.nx[packed.count] = static_cast<float>(c.n[0]);
+      packed.ny[packed.count] = static_cast<float>(c.n[1]);
+      packed.nz[packed.count] = static_cast<float>(c.n[2]);
+      ++packed.count;
+    }
   }
   work.hitCount = 0;
 }

@@ -24,8 +24,8 @@ struct PackedContacts {
 
   std::size_t count = 0;
   std::vector<std::uint32_t> index;  ///< Of the shell's point.
-  std::vector<float> depth;  ///< Penetration, metres, >= 0; 16 smallest spacings where saturated.
-  std::vector<float> nx, ny, nz;  ///< Outward unit normal of the anatomy, V.
+  std::vector<float> depth;          ///< Penetration, metres, >= 0; saturated from 16 spacings on.
+  std::vector<float> nx, ny, nz;     ///< Outward unit normal of the anatomy, V.
 };
 
 /// Contacts being written from a place of a PackedContacts on. Several runs may be written at a

@@ -25,8 +25,8 @@ struct alignas(64) PointBlock {
 };
 
 struct ShellBlocks {
-  /// A descent begins at the highest level of more nodes than this, or at the leaves' own: a few
-  /// spheres too many cost less than a level.
+  /// A descent begins at the finest level of at most so many nodes: a few spheres too many cost
+  /// less than a level.
   static constexpr std::size_t kStart = 64;
 
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< T, metres.

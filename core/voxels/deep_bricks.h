@@ -4,7 +4,7 @@
 ///
 /// A shared brick is a ramp of depths beyond saturation along one of 124 directions (components −2
 /// .. 2 in cells), so the query needs no case for it. The direction comes from the distance between
-/// blocks of 4³ cells: right within about 15 degrees, which is all that saturation promises.
+/// blocks of 4³ cells: mostly right within 20 degrees, at worst 30, which saturation says.
 
 #include <Eigen/Core>
 #include <array>

@@ -2,7 +2,7 @@
 /// The depths that can occur between voxel centres, each with a code.
 ///
 /// A squared distance between centres is a sum of three squares of whole steps, so within the depth
-/// that is stored there are few of them (cubic voxels: 266; any spacing: below 4096): a code names
+/// that is stored there are few of them (cubic voxels: 282; any spacing: below 4096): a code names
 /// one exactly. Codes ascend with depth, so that the shallow ones, which most bricks get by with,
 /// fit six bits. Length unit: the smallest spacing s.
 ///
@@ -20,6 +20,9 @@ namespace palpate {
 
 /// Deeper than this many smallest spacings, depths saturate (design).
 inline constexpr double kSaturationVoxels = 16.0;
+/// Longest to shortest edge of a voxel. Scans stay below 20; a palette holds every distance within
+/// a voxel's diagonal, so a forged ratio would take all memory, or overflow.
+inline constexpr double kMaxSpacingRatio = 1000.0;
 
 class DepthPalette {
  public:
@@ -29,13 +32,13 @@ class DepthPalette {
   static constexpr std::uint16_t kRungs = 64;
 
   DepthPalette() = default;
-  /// @param spacing  > 0, any unit.
+  /// @param spacing  > 0, any unit, within kMaxSpacingRatio.
   explicit DepthPalette(const Eigen::Vector3d& spacing);
 
   /// Square steps along x, y, z in s², as the transform adds them up: (x + y) + z, single
   /// precision.
   [[nodiscard]] const std::array<float, 3>& weight() const noexcept { return weight_; }
-  /// Signed squares beyond these are the far code and the deepest code.
+  /// Squares beyond these, outside and inside, are the far code and the deepest code.
   [[nodiscard]] float farSquare() const noexcept { return farSquare_; }
   [[nodiscard]] float deepSquare() const noexcept { return deepSquare_; }
   /// Code of a signed squared distance (> 0 outside, < 0 inside).

@@ -24,7 +24,7 @@ class FarDistance {
   /// Samples along an axis: the last one may lie past the last voxel.
   [[nodiscard]] const std::array<std::int32_t, 3>& count() const noexcept { return count_; }
   /// A lower bound of the distance from place (kStep·i, kStep·j, kStep·k) to any solid centre;
-  /// exact within the grid. Indices past the end are the last.
+  /// exact within the grid, ever lower past its end.
   [[nodiscard]] float at(std::int32_t i, std::int32_t j, std::int32_t k) const noexcept;
 
  private:

@@ -140,10 +140,6 @@ bool payloadHolds(const VoxelTree::Data& d) {
   return d.leafBytes.empty() && bricksHold(d.depth, d.extent);
 }
 
-// Longest to shortest edge of a voxel. Scans stay below 20; the palette of depths is made of every
-// distance within a voxel's diagonal, so a forged ratio would take all memory, or overflow.
-constexpr double kMaxSpacingRatio = 1000.0;
-
 bool shapeHolds(const VoxelTree::Data& d) {
   if (d.bits < 1 || d.bits > 3 || d.levels < 1 || d.levels * d.bits > 30) return false;
   if (static_cast<int>(d.options.branching) != 1 << (3 * d.bits)) return false;

@@ -48,6 +48,14 @@ Result<void> checkGrid(const LabelGrid& grid) {
                       .wants("a finite number above 0"));
     }
   }
+  const double ratio = g.spacing.maxCoeff() / g.spacing.minCoeff();
+  if (ratio > kMaxSpacingRatio) {
+    return fail(inputRefused("The voxels are too long for their width.")
+                    .inField("spacing")
+                    .butFound("1 to " + std::to_string(ratio))
+                    .wants("at most 1 to 1000")
+                    .advise("Resample the volume to a more even spacing."));
+  }
   if (grid.labels.size() != g.voxelCount()) {
     return fail(inputRefused("The label volume does not hold as many labels as voxels.")
                     .inField("labels")

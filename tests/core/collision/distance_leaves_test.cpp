@@ -295,9 +295,7 @@ TEST(PackedContacts, AreThoseOfFindInTheOrderOfTheHierarchy) {
   }
 }
 
-// FAILS, for the owner: contact_finder.h and packed_contacts.h promise the order of the shell's
-// hierarchy, but Paper leaves its contacts in the order in which it finds them.
-TEST(PackedContacts, DISABLED_OfPaperHaveTheOrderOfTheHierarchyToo) {
+TEST(PackedContacts, OfPaperHaveTheOrderOfTheHierarchyToo) {
   const auto all = scenes();
   Scene scene(all[0]);
   const auto& order = scene.shell.data().hierarchy.order;

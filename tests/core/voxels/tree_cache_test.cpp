@@ -133,6 +133,27 @@ TEST(TreeCache, TheFingerprintKnowsLabelsGeometrySelectionAndOptions) {
   EXPECT_NE(treeSourceFingerprint(grid, {}, {}), base);
 }
 
+// A file is mapped, not copied: what is changed in the tree must not reach it.
+TEST(TreeCache, AnEditOfALoadedTreeLeavesTheFileAsItIs) {
+  const auto tree = VoxelTree::build(assortedGrids(66)[9].grid, {}, {});
+  ASSERT_TRUE(tree);
+  const auto file = std::filesystem::path(testing::TempDir()) / "palpate_private_view.cache";
+  ASSERT_TRUE(saveTreeCache(*tree, 7, file));
+  {
+    const auto loaded = loadTreeCache(file, 7);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ(loaded->data().depth.slots, tree->data().depth.slots);
+    auto& data = const_cast<VoxelTree::Data&>(loaded->data());
+    for (auto& word : data.depth.slots) word = 5;
+    for (auto& mask : data.level[1].masks) mask = 1;
+  }
+  const auto again = loadTreeCache(file, 7);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->data().depth.slots, tree->data().depth.slots);
+  EXPECT_EQ(again->data().level[1].masks, tree->data().level[1].masks);
+  std::filesystem::remove(file);
+}
+
 TEST(TreeCache, AMissingFileIsRefused) {
   const auto tree = loadTreeCache("/nowhere/tree.cache", 1);
   ASSERT_FALSE(tree);

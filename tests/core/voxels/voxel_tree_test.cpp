@@ -215,6 +215,11 @@ TEST(VoxelTree, AGridThatContradictsItselfIsRefused) {
   tree = VoxelTree::build(grid, {}, {});
   ASSERT_FALSE(tree);
   EXPECT_EQ(tree.error().message, "The voxel spacing along y is not a positive length.");
+  grid.geometry.spacing.y() = 1001;
+  tree = VoxelTree::build(grid, {}, {});
+  ASSERT_FALSE(tree);
+  EXPECT_EQ(tree.error().message, "The voxels are too long for their width.");
+  EXPECT_EQ(tree.error().expected, "at most 1 to 1000");
 }
 
 TEST(VoxelTree, ReportsProgressInOrderAndStopsWhenCancelled) {
