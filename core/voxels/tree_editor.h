@@ -76,8 +76,6 @@ class TreeEditor {
 
  private:
   class Work;
-  template <int Bits>
-  class WorkOf;
   explicit TreeEditor(std::unique_ptr<Work> work) noexcept;
   std::unique_ptr<Work> work_;
 };
