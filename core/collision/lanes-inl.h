@@ -43,6 +43,8 @@ struct Frame {
         slots(work.bricks->slots.data()),
         pairs(work.bricks->palette.pairTable()),
         steps(work.bricks->palette.stepsTable()),
+        lowBytes(work.bricks->palette.lowBytes()),
+        highBytes(work.bricks->palette.highBytes()),
         row(work.bricks->blocks[0]),
         layer(work.bricks->blocks[0] * work.bricks->blocks[1]) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -100,6 +102,8 @@ struct Frame {
   const std::uint32_t* slots;
   const std::uint32_t* pairs;
   const std::int16_t* steps;
+  const std::uint8_t* lowBytes;
+  const std::uint8_t* highBytes;
   std::int32_t row, layer;
   float lastCell[3];
   float edge[3];

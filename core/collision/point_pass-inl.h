@@ -31,8 +31,9 @@ struct alignas(64) PointWork {
   float limit[kLeaves * 16];              // a value below this is a contact
   std::uint32_t depths[4][kLeaves * 16];  // of four rows, two a word: (y,z), (y+1,z), (y,z+1), ...
 #if HWY_TARGET == HWY_AVX3_DL
-  std::uint32_t rows[kLeaves * 16][4];  // words of four rows; points dealt out as `deal` says
-  std::uint16_t wide[kLeaves];          // a bit a point: `depths` holds them already
+  std::uint32_t rows[kLeaves * 16][4];   // words of four rows; points dealt out as `deal` says
+  std::uint32_t upper[kLeaves * 16][4];  // the same of the upper six bits, where bricks may be wide
+  std::uint32_t wide[kLeaves * 16];      // all ones for points in wide bricks
 #endif
 };
 
@@ -83,51 +84,58 @@ HWY_INLINE void findCells(const Frame& frame, const PointBlock& leaf, std::size_
 // Rows of a cell from its own on.
 inline constexpr std::size_t kRow[4] = {0, 1, 5, 6};
 
-// Two depths of a wide brick's row.
-inline std::uint32_t wideDepths(const Frame& frame, const std::uint32_t* row, std::uint32_t x6) {
-  const std::uint32_t low = row[0] >> x6;
-  const std::uint32_t high = row[DepthBricks::kSlotWords] >> x6;
+// Two depths of a wide brick's row, from its words shifted to the first of the two.
+inline std::uint32_t wideDepths(const Frame& frame, std::uint32_t low, std::uint32_t high) {
   const auto first = static_cast<std::uint16_t>(frame.steps[(low & 63U) | (high & 63U) << 6]);
   const auto second =
       static_cast<std::uint16_t>(frame.steps[(low >> 6 & 63U) | (high >> 6 & 63U) << 6]);
   return first | static_cast<std::uint32_t>(second) << 16;
 }
 
+#if HWY_TARGET == HWY_AVX3_DL
+// Four rows of a point's cell, two and two of them neighbours.
+HWY_INLINE void copyRows(const std::uint32_t* row, std::uint32_t* to) {
+  const __m128d lower = _mm_load_sd(reinterpret_cast<const double*>(row));
+  _mm_store_pd(reinterpret_cast<double*>(to),
+               _mm_loadh_pd(lower, reinterpret_cast<const double*>(row + 5)));
+}
+#endif
+
+template <bool kAnyWide>
 HWY_INLINE void fetchPoint(const Frame& frame, std::size_t i, [[maybe_unused]] std::size_t deal,
                            PointWork& work) {
-  // No branch but the rare one: where there is no link, the place is that of "nothing".
+  // No branch: where there is no link, the place is that of "nothing".
   const std::int32_t word = frame.words[frame.firstWord[work.coarse[i]] + work.child[i]];
   const auto link = static_cast<std::uint32_t>(word & (word >> 31));
   const std::uint32_t* row = frame.slots + DepthBricks::placeOf(link) + work.row[i];
 #if HWY_TARGET == HWY_AVX3_DL
-  const __m128d lower = _mm_load_sd(reinterpret_cast<const double*>(row));
-  _mm_store_pd(reinterpret_cast<double*>(work.rows[deal]),
-               _mm_loadh_pd(lower, reinterpret_cast<const double*>(row + 5)));
-  if ((link & DepthBricks::kWide) != 0) [[unlikely]] {
-    work.wide[i / 16] = static_cast<std::uint16_t>(work.wide[i / 16] | 1U << (i % 16));
-    const std::uint32_t x6 = work.shift[i] & 31U;
-    for (std::size_t k = 0; k < 4; ++k) work.depths[k][i] = wideDepths(frame, row + kRow[k], x6);
+  copyRows(row, work.rows[deal]);
+  if constexpr (kAnyWide) {
+    const std::uint32_t wide = link / DepthBricks::kWide & 1U;
+    copyRows(row + wide * DepthBricks::kSlotWords, work.upper[deal]);
+    work.wide[i] = 0U - wide;
   }
 #else
   const std::uint32_t x6 = work.shift[i];
-  if ((link & DepthBricks::kWide) == 0) [[likely]] {
+  if (!kAnyWide || (link & DepthBricks::kWide) == 0) [[likely]] {
     for (std::size_t k = 0; k < 4; ++k) {
       work.depths[k][i] = frame.pairs[row[kRow[k]] >> x6 & 4095U];
     }
   } else {
-    for (std::size_t k = 0; k < 4; ++k) work.depths[k][i] = wideDepths(frame, row + kRow[k], x6);
+    for (std::size_t k = 0; k < 4; ++k) {
+      work.depths[k][i] =
+          wideDepths(frame, row[kRow[k]] >> x6, row[kRow[k] + DepthBricks::kSlotWords] >> x6);
+    }
   }
 #endif
 }
 
+template <bool kAnyWide>
 HWY_INLINE void fetchDepths(const Frame& frame, std::size_t leaves, PointWork& work) {
-#if HWY_TARGET == HWY_AVX3_DL
-  std::fill_n(work.wide, leaves, std::uint16_t{0});
-#endif
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
 #pragma GCC unroll 16
     for (std::size_t p = 0; p < 16; ++p) {
-      fetchPoint(frame, leaf * 16 + p, leaf * 16 + ((p & 3) << 2) + (p >> 2), work);
+      fetchPoint<kAnyWide>(frame, leaf * 16 + p, leaf * 16 + ((p & 3) << 2) + (p >> 2), work);
     }
   }
 }
@@ -139,50 +147,113 @@ struct Rows {
 #if HWY_TARGET == HWY_AVX3_DL
 class Decoder {
  public:
-  explicit Decoder(const DepthPalette& palette)
-      : low_(_mm512_loadu_si512(palette.lowBytes())),
-        high_(_mm512_loadu_si512(palette.highBytes())) {}
-  // Sixteen points: their words were dealt so that point 4l + j is in lane l of vector j; turned
-  // by fours, vector k holds row k of all in order.
-  HWY_INLINE Rows operator()(const PointWork& work, std::size_t at) const {
-    const __m512i p0 = _mm512_load_si512(work.rows[at]);
-    const __m512i p1 = _mm512_load_si512(work.rows[at + 4]);
-    const __m512i p2 = _mm512_load_si512(work.rows[at + 8]);
-    const __m512i p3 = _mm512_load_si512(work.rows[at + 12]);
-    const __m512i a = _mm512_unpacklo_epi32(p0, p1);
-    const __m512i b = _mm512_unpacklo_epi32(p2, p3);
-    const __m512i c = _mm512_unpackhi_epi32(p0, p1);
-    const __m512i e = _mm512_unpackhi_epi32(p2, p3);
+  explicit Decoder(const Frame& frame)
+      : frame_(frame), low_(frame.lowBytes), high_(frame.highBytes) {}
+
+  template <bool kAnyWide>
+  HWY_INLINE Rows rows(const PointWork& work, std::size_t at) const {
     const __m512i select = _mm512_load_si512(work.shift + at);
+    __m512i row[4];
+    turn(work.rows + at, row);
     Rows rows;
-    rows.v[0] = depths(_mm512_unpacklo_epi64(a, b), select);
-    rows.v[1] = depths(_mm512_unpackhi_epi64(a, b), select);
-    rows.v[2] = depths(_mm512_unpacklo_epi64(c, e), select);
-    rows.v[3] = depths(_mm512_unpackhi_epi64(c, e), select);
-    const __mmask16 wide = work.wide[at / 16];
-    if (wide != 0) [[unlikely]] {
-      for (std::size_t k = 0; k < 4; ++k) {
-        rows.v[k] = VI{_mm512_mask_load_epi32(rows.v[k].raw, wide, &work.depths[k][at])};
-      }
+    for (int k = 0; k < 4; ++k) {
+      row[k] = _mm512_multishift_epi64_epi8(select, row[k]);
+      rows.v[k] = VI{narrow(row[k])};
+    }
+    if constexpr (kAnyWide) {
+      const __mmask16 wide = _mm512_movepi32_mask(_mm512_load_si512(work.wide + at));
+      if (wide != 0) replaceWide(work, at, wide, row, rows);
     }
     return rows;
   }
 
  private:
-  // The look-up reads six bits of each byte, so the codes need no masking.
-  HWY_INLINE VI depths(__m512i row, __m512i select) const {
-    constexpr __mmask64 kUpper = 0xAAAAAAAAAAAAAAAAULL;
-    const __m512i code = _mm512_multishift_epi64_epi8(select, row);
-    return VI{
-        _mm512_mask_permutexvar_epi8(_mm512_permutexvar_epi8(code, low_), kUpper, code, high_)};
+  static constexpr __mmask64 kUpperBytes = 0xAAAAAAAAAAAAAAAAULL;
+
+  // Sixteen points: their words were dealt so that point 4l + j is in lane l of vector j; turned
+  // by fours, vector k holds row k of all in order.
+  static HWY_INLINE void turn(const std::uint32_t (*words)[4], __m512i* row) {
+    const __m512i p0 = _mm512_load_si512(words[0]);
+    const __m512i p1 = _mm512_load_si512(words[4]);
+    const __m512i p2 = _mm512_load_si512(words[8]);
+    const __m512i p3 = _mm512_load_si512(words[12]);
+    const __m512i a = _mm512_unpacklo_epi32(p0, p1);
+    const __m512i b = _mm512_unpacklo_epi32(p2, p3);
+    const __m512i c = _mm512_unpackhi_epi32(p0, p1);
+    const __m512i e = _mm512_unpackhi_epi32(p2, p3);
+    row[0] = _mm512_unpacklo_epi64(a, b);
+    row[1] = _mm512_unpackhi_epi64(a, b);
+    row[2] = _mm512_unpacklo_epi64(c, e);
+    row[3] = _mm512_unpackhi_epi64(c, e);
   }
-  __m512i low_, high_;
+  HWY_INLINE __m512i table(const std::uint8_t* bytes, int i) const {
+    return _mm512_loadu_si512(bytes + 64 * i);
+  }
+  // The look-up reads six bits of each byte, so the codes need no masking.
+  HWY_INLINE __m512i narrow(__m512i code) const {
+    return _mm512_mask_permutexvar_epi8(_mm512_permutexvar_epi8(code, table(low_, 0)), kUpperBytes,
+                                        code, table(high_, 0));
+  }
+  // Codes of seven bits in tables 2i and 2i + 1.
+  HWY_INLINE __m512i pairOfTables(__m512i code, int i) const {
+    const __m512i low = _mm512_permutex2var_epi8(table(low_, 2 * i), code, table(low_, 2 * i + 1));
+    const __m512i high =
+        _mm512_permutex2var_epi8(table(high_, 2 * i), code, table(high_, 2 * i + 1));
+    return _mm512_mask_blend_epi8(kUpperBytes, low, high);
+  }
+  void replaceWide(const PointWork& work, std::size_t at, __mmask16 wide, const __m512i* lowCode,
+                   Rows& rows) const {
+    const __m512i select = _mm512_load_si512(work.shift + at);
+    const __m512i six = _mm512_set1_epi8(63);
+    __m512i row[4];
+    turn(work.upper + at, row);
+    __mmask16 beyond = 0;  // points with a code that the tables do not reach
+    for (int k = 0; k < 4; ++k) {
+      const __m512i upper = _mm512_and_si512(_mm512_multishift_epi64_epi8(select, row[k]), six);
+      const __m512i lower = _mm512_and_si512(lowCode[k], six);
+      const __m512i seventh = _mm512_and_si512(_mm512_slli_epi16(upper, 6), _mm512_set1_epi8(64));
+      const __m512i code = _mm512_or_si512(lower, seventh);
+      __m512i depth = pairOfTables(code, 0);
+      depth = _mm512_mask_blend_epi8(_mm512_test_epi8_mask(upper, _mm512_set1_epi8(2)), depth,
+                                     pairOfTables(code, 1));
+      depth = _mm512_mask_blend_epi8(_mm512_test_epi8_mask(upper, _mm512_set1_epi8(4)), depth,
+                                     pairOfTables(code, 2));
+      rows.v[k] = VI{_mm512_mask_blend_epi32(wide, rows.v[k].raw, depth)};
+      // Six tables: the upper bits are 0 to 5.
+      const __mmask64 over = _mm512_cmpgt_epu8_mask(upper, _mm512_set1_epi8(5));
+      beyond =
+          static_cast<__mmask16>(beyond | _mm512_mask_test_epi32_mask(wide, _mm512_movm_epi8(over),
+                                                                      _mm512_set1_epi32(-1)));
+    }
+    if (beyond != 0) [[unlikely]]
+      replaceBeyond(work, at, beyond, rows);
+  }
+  // Unequal spacings have more depths than six tables: one point at a time.
+  HWY_NOINLINE void replaceBeyond(const PointWork& work, std::size_t at, unsigned points,
+                                  Rows& rows) const {
+    alignas(64) std::uint32_t depth[4][16];
+    for (int k = 0; k < 4; ++k) _mm512_store_si512(depth[k], rows.v[k].raw);
+    for (unsigned left = points; left != 0; left &= left - 1) {
+      const auto p = static_cast<std::size_t>(__builtin_ctz(left));
+      const std::size_t deal = at + ((p & 3) << 2) + (p >> 2);
+      const std::uint32_t x6 = work.shift[at + p] & 31U;
+      for (std::size_t k = 0; k < 4; ++k) {
+        depth[k][p] = wideDepths(frame_, work.rows[deal][k] >> x6, work.upper[deal][k] >> x6);
+      }
+    }
+    for (int k = 0; k < 4; ++k) rows.v[k] = VI{_mm512_load_si512(depth[k])};
+  }
+
+  const Frame& frame_;
+  const std::uint8_t* low_;
+  const std::uint8_t* high_;
 };
 #else
 class Decoder {
  public:
-  explicit Decoder(const DepthPalette& /*palette*/) {}
-  HWY_INLINE Rows operator()(const PointWork& work, std::size_t at) const {
+  explicit Decoder(const Frame& /*frame*/) {}
+  template <bool kAnyWide>
+  HWY_INLINE Rows rows(const PointWork& work, std::size_t at) const {
     const DU du;
     const DI di;
     return {{hn::BitCast(di, hn::Load(du, work.depths[0] + at)),
@@ -205,13 +276,14 @@ HWY_INLINE VI dot(VI a, VI b) {
 #endif
 }
 
+template <bool kAnyWide>
 HWY_INLINE void evaluate(const Decoder& decode, const PointBlock& leaf, const PointWork& points,
                          std::size_t slot, const FastWork& work, PackedRun& out) {
   const DF d;
   const DI di;
   const DU du;
   for (std::size_t l = 0; l < 16; l += hn::Lanes(d)) {
-    const Rows rows = decode(points, slot + l);
+    const Rows rows = decode.rows<kAnyWide>(points, slot + l);
     const VI wx = hn::Load(di, points.wx + slot + l);
     const VF fy = hn::Load(d, points.fy + slot + l);
     const VF fz = hn::Load(d, points.fz + slot + l);
@@ -267,9 +339,10 @@ HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedRun& out) 
 /// The contacts of the points in leaves begin .. end − 1 of work.frontier. Nothing is stored beyond
 /// 16 contacts a leaf: a vector stored for the lanes of a leaf begins at or before the room that
 /// the leaves up to it have, less its own length.
-HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
-                           std::size_t end, PackedRun& out) {
-  const Decoder decode(work.bricks->palette);
+template <bool kAnyWide>
+HWY_INLINE void testLeavesOf(const FastWork& work, const Frame& frame, std::size_t begin,
+                             std::size_t end, PackedRun& out) {
+  const Decoder decode(frame);
   const PointBlock* leaves = work.shell->leaf.data();
   PointWork points;
   for (std::size_t first = begin; first < end; first += kLeaves) {
@@ -282,11 +355,20 @@ HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t
       }
       findCells(frame, leaves[work.frontier[first + i]], i * 16, points);
     }
-    fetchDepths(frame, n, points);
+    fetchDepths<kAnyWide>(frame, n, points);
     for (std::size_t i = 0; i < n; ++i) {
-      evaluate(decode, leaves[work.frontier[first + i]], points, i * 16, work, out);
+      evaluate<kAnyWide>(decode, leaves[work.frontier[first + i]], points, i * 16, work, out);
     }
     normalise(frame, from, out);
+  }
+}
+
+HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
+                           std::size_t end, PackedRun& out) {
+  if (work.bricks->anyWide) {
+    testLeavesOf<true>(work, frame, begin, end, out);
+  } else {
+    testLeavesOf<false>(work, frame, begin, end, out);
   }
 }
 

@@ -98,7 +98,7 @@ DepthPalette::DepthPalette(const Eigen::Vector3d& spacing) {
     const auto high = static_cast<std::uint16_t>(steps_[i / kNarrow]);
     pairs_[i] = static_cast<std::uint32_t>(low) | static_cast<std::uint32_t>(high) << 16;
   }
-  for (std::size_t i = 0; i < kNarrow; ++i) {
+  for (std::size_t i = 0; i < kTabled; ++i) {
     const auto bits = static_cast<std::uint16_t>(steps_[i]);
     low_[i] = static_cast<std::uint8_t>(bits & 255U);
     high_[i] = static_cast<std::uint8_t>(bits >> 8U);

@@ -28,6 +28,7 @@ class DepthPalette {
  public:
   static constexpr std::size_t kNarrow = 64;   ///< Codes of six bits.
   static constexpr std::size_t kCodes = 4096;  ///< Codes of twelve bits.
+  static constexpr std::size_t kTabled = 384;  ///< Codes in byte tables, for vectors.
   static constexpr std::uint16_t kFarCode = 0;
   static constexpr std::uint16_t kRungs = 64;
 
@@ -62,7 +63,7 @@ class DepthPalette {
   [[nodiscard]] float stepsPerUnit() const noexcept { return stepsPerUnit_; }
   /// Two narrow codes, low six bits first, to two depths in steps, low half first.
   [[nodiscard]] const std::uint32_t* pairTable() const noexcept { return pairs_.data(); }
-  /// Low and high bytes of the narrow codes' steps, 64 each.
+  /// Low and high bytes of the first kTabled codes' steps: all of cubic voxels.
   [[nodiscard]] const std::uint8_t* lowBytes() const noexcept { return low_.data(); }
   [[nodiscard]] const std::uint8_t* highBytes() const noexcept { return high_.data(); }
 
@@ -77,7 +78,7 @@ class DepthPalette {
   std::vector<float> value_;
   std::vector<std::int16_t> steps_;
   std::vector<std::uint32_t> pairs_;
-  alignas(64) std::array<std::uint8_t, kNarrow> low_{}, high_{};
+  alignas(64) std::array<std::uint8_t, kTabled> low_{}, high_{};
   std::uint16_t firstInside_ = 0;
 };
 
