@@ -1,6 +1,7 @@
 #include "core/collision/leaf_test.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/collision/fast_query.h"
 #include "core/voxels/leaf_codes.h"
@@ -44,7 +45,7 @@ bool LeafTest<Bits>::locate(const PlacedPoint& point, Item& item) const noexcept
 }
 
 template <int Bits>
-std::uint32_t LeafTest<Bits>::nodeOf(const Item& item) noexcept {
+const typename LeafTest<Bits>::Known& LeafTest<Bits>::nodeOf(const Item& item) noexcept {
   const Item address{item[0] >> Bits, item[1] >> Bits, item[2] >> Bits};
   const auto parity =
       static_cast<std::size_t>((address[0] & 1) | (address[1] & 1) << 1 | (address[2] & 1) << 2);
@@ -52,8 +53,12 @@ std::uint32_t LeafTest<Bits>::nodeOf(const Item& item) noexcept {
   if (address != known.address) {
     known.address = address;
     known.node = findNode<Bits>(tree_, item, 1);
+    const TreeLevel& level = tree_.level[1];
+    const bool found = known.node != kNoNode;
+    known.mask = found ? NodeMask<Bits>::load(level.masks.data(), known.node) : NodeMask<Bits>{};
+    known.link = found && !level.firstChild.empty() ? level.firstChild[known.node] : 0;
   }
-  return known.node;
+  return known;
 }
 
 template <int Bits>
@@ -70,17 +75,14 @@ bool LeafTest<Bits>::evaluate(const PlacedPoint& point, Contact& contact) noexce
 template <int Bits>
 bool LeafTest<Bits>::codeOf(const Item& voxel, std::uint16_t& code, std::uint8_t& label) noexcept {
   using Mask = NodeMask<Bits>;
-  const std::uint32_t node = nodeOf(voxel);
-  if (node == kNoNode) return false;
-  const Mask mask = Mask::load(tree_.level[1].masks.data(), node);
+  const Known& node = nodeOf(voxel);
   const int child =
       Mask::child(voxel[0] & Mask::kLow, voxel[1] & Mask::kLow, voxel[2] & Mask::kLow);
-  if (!mask.test(child)) return false;
-  const std::uint32_t link = tree_.level[1].firstChild[node];
-  const int rank = mask.rank(child);
-  code = leafCode(tree_.leafBytes, link, rank);
+  if (!node.mask.test(child)) return false;
+  const int rank = node.mask.rank(child);
+  code = leafCode(tree_.leafBytes, node.link, rank);
   label = tree_.depth.uniformLabel;
-  if (label == 0) label = leafLabel(tree_.leafBytes, link, mask.count(), rank);
+  if (label == 0) label = leafLabel(tree_.leafBytes, node.link, node.mask.count(), rank);
   return true;
 }
 
@@ -94,6 +96,64 @@ bool LeafTest<Bits>::evaluateVoxel(const PlacedPoint& point, const Item& item,
   return true;
 }
 
+// Signed depths, smallest spacings, of `count` voxels of a row; those of one node are neighbours in
+// rank, so one look at its mask and its codes serves them all.
+template <int Bits>
+void LeafTest<Bits>::depthsAlong(const Item& first, int count, double* depth) noexcept {
+  using Mask = NodeMask<Bits>;
+  Item at = first;
+  while (count > 0) {
+    const Known& node = nodeOf(at);
+    const int run = std::min(count, Mask::kEdge - (at[0] & Mask::kLow));
+    const int child = Mask::child(at[0] & Mask::kLow, at[1] & Mask::kLow, at[2] & Mask::kLow);
+    const std::uint64_t present =
+        node.mask.word[static_cast<std::size_t>(child) >> 6] >> (child & 63);
+    const bool wide = (node.link & kWideLeaves) != 0;
+    const unsigned width = wide ? 12 : 6;
+    const std::size_t bit = static_cast<std::size_t>(node.mask.rank(child)) * width;
+    std::uint64_t codes = 0;  // three of twelve bits, and seven before them, fit
+    if (node.node != kNoNode) {
+      std::memcpy(&codes, tree_.leafBytes.data() + (node.link & ~kWideLeaves) + bit / 8,
+                  sizeof codes);
+    }
+    codes >>= bit % 8;
+    for (int i = 0; i < run; ++i) {
+      if ((present >> i & 1U) == 0) {
+        *depth++ = kEmptyValue;
+        continue;
+      }
+      const auto code = static_cast<std::uint16_t>(codes & (wide ? 4095U : 63U));
+      codes >>= width;
+      *depth++ = static_cast<double>(tree_.depth.palette.value(code));
+    }
+    at[0] += run;
+    count -= run;
+  }
+}
+
+// As neighbourhoodOf, row by row.
+template <int Bits>
+Neighbourhood LeafTest<Bits>::depthsAround(const Item& voxel) noexcept {
+  Neighbourhood around;
+  for (std::size_t a = 0; a < 3; ++a) {
+    around.below[a] = voxel[a] > 0;
+    around.above[a] = voxel[a] + 1 < tree_.extent[a];
+  }
+  const int before = around.below[0] ? 1 : 0;
+  const int behind = around.above[0] ? 1 : 0;
+  double* row = around.value.data();
+  for (std::int32_t z = -1; z <= 1; ++z) {
+    for (std::int32_t y = -1; y <= 1; ++y, row += 3) {
+      const Item first{voxel[0] - before, std::clamp(voxel[1] + y, 0, tree_.extent[1] - 1),
+                       std::clamp(voxel[2] + z, 0, tree_.extent[2] - 1)};
+      depthsAlong(first, before + 1 + behind, row + 1 - before);
+      if (before == 0) row[0] = row[1];
+      if (behind == 0) row[2] = row[1];
+    }
+  }
+  return around;
+}
+
 // The normal from the depths around, or as a surface-only tree stores it.
 template <int Bits>
 void LeafTest<Bits>::remember(const Item& item, std::uint16_t code,
@@ -102,21 +162,12 @@ void LeafTest<Bits>::remember(const Item& item, std::uint16_t code,
   Eigen::Vector3d normal;
   if (tree_.options.surfaceOnly) {
     using Mask = NodeMask<Bits>;
-    const std::uint32_t node = nodeOf(item);
-    const Mask mask = Mask::load(tree_.level[1].masks.data(), node);
+    const Known& node = nodeOf(item);
     const int child = Mask::child(item[0] & Mask::kLow, item[1] & Mask::kLow, item[2] & Mask::kLow);
-    normal = decodeNormal(leafNormal(tree_.leafBytes, tree_.level[1].firstChild[node], mask.count(),
-                                     mask.rank(child), tree_.depth.uniformLabel == 0));
+    normal = decodeNormal(leafNormal(tree_.leafBytes, node.link, node.mask.count(),
+                                     node.mask.rank(child), tree_.depth.uniformLabel == 0));
   } else {
-    normal = outwardNormal(neighbourhoodOf(item, tree_.extent,
-                                           [&](const Item& at) {
-                                             std::uint16_t other = 0;
-                                             std::uint8_t label = 0;
-                                             return codeOf(at, other, label)
-                                                        ? static_cast<double>(palette.value(other))
-                                                        : kEmptyValue;
-                                           }),
-                           tree_.geometry.spacing);
+    normal = outwardNormal(depthsAround(item), tree_.geometry.spacing);
   }
   for (int a = 0; a < 3; ++a) entry.n[a] = normal[a];
   entry.depth = -static_cast<double>(palette.value(code)) * unit_;
@@ -157,10 +208,8 @@ bool LeafTest<Bits>::evaluateDistance(const PlacedPoint& point, const Item& item
   // inside.
   if (tree_.options.surfaceOnly) {
     using Mask = NodeMask<Bits>;
-    const std::uint32_t node = nodeOf(item);
-    if (node == kNoNode) return false;
     const int child = Mask::child(item[0] & Mask::kLow, item[1] & Mask::kLow, item[2] & Mask::kLow);
-    if (!Mask::load(tree_.level[1].masks.data(), node).test(child)) return false;
+    if (!nodeOf(item).mask.test(child)) return false;
   }
   float f[3];
   for (std::size_t a = 0; a < 3; ++a) f[a] = point.u[a] - static_cast<float>(item[a]);

@@ -14,6 +14,7 @@
 
 #include "core/collision/cell_pose.h"
 #include "core/collision/contact.h"
+#include "core/voxels/outward_normal.h"
 #include "core/voxels/voxel_tree_data.h"
 
 namespace palpate {
@@ -115,8 +116,16 @@ class LeafTest {
                     Contact& contact) const noexcept;
 
  private:
-  [[nodiscard]] std::uint32_t nodeOf(const Item& item) noexcept;
+  struct Known {
+    Item address{-1, -1, -1};
+    std::uint32_t node = kNoNode;
+    NodeMask<Bits> mask;     // empty where there is no node
+    std::uint32_t link = 0;  // of voxel leaves
+  };
+  [[nodiscard]] const Known& nodeOf(const Item& item) noexcept;
   [[nodiscard]] bool codeOf(const Item& voxel, std::uint16_t& code, std::uint8_t& label) noexcept;
+  void depthsAlong(const Item& first, int count, double* depth) noexcept;
+  [[nodiscard]] Neighbourhood depthsAround(const Item& voxel) noexcept;
   [[nodiscard]] bool evaluateVoxel(const PlacedPoint& point, const Item& item, Contact& c) noexcept;
   [[nodiscard]] bool evaluateDistance(const PlacedPoint& point, const Item& item,
                                       Contact& c) noexcept;
@@ -131,10 +140,6 @@ class LeafTest {
   double unit_;          // the smallest spacing, metres
   float metresPerStep_;  // of DistanceSample::value
   float edge_[3];        // of a cell, smallest spacings
-  struct Known {
-    Item address{-1, -1, -1};
-    std::uint32_t node = kNoNode;
-  };
   std::array<Known, 8> known_;
 };
 
