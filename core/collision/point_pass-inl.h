@@ -31,9 +31,10 @@ struct alignas(64) PointWork {
   float limit[kLeaves * 16];              // a value below this is a contact
   std::uint32_t depths[4][kLeaves * 16];  // of four rows, two a word: (y,z), (y+1,z), (y,z+1), ...
 #if HWY_TARGET == HWY_AVX3_DL
-  std::uint32_t rows[kLeaves * 16][4];   // words of four rows; points dealt out as `deal` says
-  std::uint32_t upper[kLeaves * 16][4];  // the same of the upper six bits, where bricks may be wide
-  std::uint32_t wide[kLeaves * 16];      // all ones for points in wide bricks
+  std::uint32_t rows[kLeaves * 16][4];  // words of four rows; points dealt out as `deal` says
+  // Of batches with wide bricks: the same of the upper six bits; all ones for points in such.
+  std::uint32_t upper[kLeaves * 16][4];
+  std::uint32_t wide[kLeaves * 16];
 #endif
 };
 
@@ -101,23 +102,22 @@ HWY_INLINE void copyRows(const std::uint32_t* row, std::uint32_t* to) {
 }
 #endif
 
-template <bool kAnyWide>
-HWY_INLINE void fetchPoint(const Frame& frame, std::size_t i, [[maybe_unused]] std::size_t deal,
-                           PointWork& work) {
-  // No branch: where there is no link, the place is that of "nothing".
+// The link of a point's brick, 0 without a branch where there is none: the place of "nothing".
+HWY_INLINE std::uint32_t linkOf(const Frame& frame, std::size_t i, const PointWork& work) {
   const std::int32_t word = frame.words[frame.firstWord[work.coarse[i]] + work.child[i]];
-  const auto link = static_cast<std::uint32_t>(word & (word >> 31));
+  return static_cast<std::uint32_t>(word & (word >> 31));
+}
+
+// Returns the link.
+HWY_INLINE std::uint32_t fetchPoint(const Frame& frame, std::size_t i,
+                                    [[maybe_unused]] std::size_t deal, PointWork& work) {
+  const std::uint32_t link = linkOf(frame, i, work);
   const std::uint32_t* row = frame.slots + DepthBricks::placeOf(link) + work.row[i];
 #if HWY_TARGET == HWY_AVX3_DL
   copyRows(row, work.rows[deal]);
-  if constexpr (kAnyWide) {
-    const std::uint32_t wide = link / DepthBricks::kWide & 1U;
-    copyRows(row + wide * DepthBricks::kSlotWords, work.upper[deal]);
-    work.wide[i] = 0U - wide;
-  }
 #else
   const std::uint32_t x6 = work.shift[i];
-  if (!kAnyWide || (link & DepthBricks::kWide) == 0) [[likely]] {
+  if ((link & DepthBricks::kWide) == 0) [[likely]] {
     for (std::size_t k = 0; k < 4; ++k) {
       work.depths[k][i] = frame.pairs[row[kRow[k]] >> x6 & 4095U];
     }
@@ -128,16 +128,41 @@ HWY_INLINE void fetchPoint(const Frame& frame, std::size_t i, [[maybe_unused]] s
     }
   }
 #endif
+  return link;
 }
 
-template <bool kAnyWide>
-HWY_INLINE void fetchDepths(const Frame& frame, std::size_t leaves, PointWork& work) {
+constexpr std::size_t dealOf(std::size_t p) {
+  return ((p & 3) << 2) + (p >> 2);
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+// The upper bits of points in wide bricks, and which points those are.
+HWY_INLINE void fetchUpper(const Frame& frame, std::size_t leaves, PointWork& work) {
+  for (std::size_t i = 0; i < leaves * 16; ++i) {
+    const std::uint32_t link = linkOf(frame, i, work);
+    const std::uint32_t wide = link / DepthBricks::kWide & 1U;
+    copyRows(
+        frame.slots + DepthBricks::placeOf(link) + work.row[i] + wide * DepthBricks::kSlotWords,
+        work.upper[i / 16 * 16 + dealOf(i % 16)]);
+    work.wide[i] = 0U - wide;
+  }
+}
+#endif
+
+// Returns whether any of the bricks is wide.
+HWY_INLINE bool fetchDepths(const Frame& frame, std::size_t leaves, PointWork& work) {
+  std::uint32_t links = 0;
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
 #pragma GCC unroll 16
     for (std::size_t p = 0; p < 16; ++p) {
-      fetchPoint<kAnyWide>(frame, leaf * 16 + p, leaf * 16 + ((p & 3) << 2) + (p >> 2), work);
+      links |= fetchPoint(frame, leaf * 16 + p, leaf * 16 + dealOf(p), work);
     }
   }
+  const bool anyWide = (links & DepthBricks::kWide) != 0;
+#if HWY_TARGET == HWY_AVX3_DL
+  if (anyWide) fetchUpper(frame, leaves, work);
+#endif
+  return anyWide;
 }
 
 struct Rows {
@@ -235,7 +260,7 @@ class Decoder {
     for (int k = 0; k < 4; ++k) _mm512_store_si512(depth[k], rows.v[k].raw);
     for (unsigned left = points; left != 0; left &= left - 1) {
       const auto p = static_cast<std::size_t>(__builtin_ctz(left));
-      const std::size_t deal = at + ((p & 3) << 2) + (p >> 2);
+      const std::size_t deal = at + dealOf(p);
       const std::uint32_t x6 = work.shift[at + p] & 31U;
       for (std::size_t k = 0; k < 4; ++k) {
         depth[k][p] = wideDepths(frame_, work.rows[deal][k] >> x6, work.upper[deal][k] >> x6);
@@ -339,9 +364,8 @@ HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedRun& out) 
 /// The contacts of the points in leaves begin .. end − 1 of work.frontier. Nothing is stored beyond
 /// 16 contacts a leaf: a vector stored for the lanes of a leaf begins at or before the room that
 /// the leaves up to it have, less its own length.
-template <bool kAnyWide>
-HWY_INLINE void testLeavesOf(const FastWork& work, const Frame& frame, std::size_t begin,
-                             std::size_t end, PackedRun& out) {
+HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
+                           std::size_t end, PackedRun& out) {
   const Decoder decode(frame);
   const PointBlock* leaves = work.shell->leaf.data();
   PointWork points;
@@ -355,20 +379,16 @@ HWY_INLINE void testLeavesOf(const FastWork& work, const Frame& frame, std::size
       }
       findCells(frame, leaves[work.frontier[first + i]], i * 16, points);
     }
-    fetchDepths<kAnyWide>(frame, n, points);
+    const bool anyWide = fetchDepths(frame, n, points);
     for (std::size_t i = 0; i < n; ++i) {
-      evaluate<kAnyWide>(decode, leaves[work.frontier[first + i]], points, i * 16, work, out);
+      const PointBlock& leaf = leaves[work.frontier[first + i]];
+      if (anyWide) {
+        evaluate<true>(decode, leaf, points, i * 16, work, out);
+      } else {
+        evaluate<false>(decode, leaf, points, i * 16, work, out);
+      }
     }
     normalise(frame, from, out);
-  }
-}
-
-HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
-                           std::size_t end, PackedRun& out) {
-  if (work.bricks->anyWide) {
-    testLeavesOf<true>(work, frame, begin, end, out);
-  } else {
-    testLeavesOf<false>(work, frame, begin, end, out);
   }
 }
 

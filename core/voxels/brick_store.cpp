@@ -84,7 +84,6 @@ std::size_t BrickStore::write(const std::array<std::int32_t, 3>& block, const Co
   std::uint32_t* to = &bricks_.slots[slot * DepthBricks::kSlotWords];
   std::copy_n(rows.data(), (wide ? 2 : 1) * DepthBricks::kSlotWords, to);
   to[DepthBricks::kRows] = clearance;
-  bricks_.anyWide = bricks_.anyWide || wide;
   bricks_.words[word] = ClearanceWord::kLink | DepthBricks::linkTo(slot, wide);
   return word;
 }

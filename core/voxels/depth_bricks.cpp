@@ -169,7 +169,6 @@ class BrickBuilder {
     std::uint32_t next = 1;
     for (BrickPlan& plan : plan_) {
       if (plan.near) plan.wordBlock = next++;
-      bricks_.anyWide = bricks_.anyWide || plan.wide != 0;
     }
     bricks_.words.assign(std::size_t{next} * 64, 0);
     bricks_.coarse.assign(plan_.size(), 0);
@@ -181,7 +180,6 @@ class BrickBuilder {
     if (std::none_of(plan_.begin(), plan_.end(), [](const BrickPlan& p) { return p.deep != 0; })) {
       return;
     }
-    bricks_.anyWide = true;
     firstDeep_ = static_cast<std::uint32_t>(bricks_.slots.size() / DepthBricks::kSlotWords);
     appendDeepBricks(bricks_.palette, bricks_.slots);
     Int3 extent;

@@ -46,8 +46,6 @@ struct DepthBricks {
   LargeArray<std::uint32_t> slots;      ///< Slot 0 is far outside everywhere.
   DepthPalette palette;
 
-  bool anyWide = false;  ///< May any brick be wide? Readers without wide ones are quicker.
-
   std::uint8_t uniformLabel = 0;    ///< Not 0: the only label; `label` is empty.
   LargeArray<std::uint32_t> label;  ///< Beside `words`: the only label of a brick, or which bytes.
   LargeArray<std::uint8_t> labelBytes;

@@ -24,7 +24,7 @@ namespace palpate {
 namespace {
 
 // Raise it whenever the arrays or their meaning change.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 constexpr char kMagic[8] = {'P', 'A', 'L', 'P', 'T', 'R', 'E', 'E'};
 
@@ -61,7 +61,6 @@ void fields(Archive& a, Data& d) {
   a.array(d.depth.firstWord);
   a.array(d.depth.words);
   a.array(d.depth.slots);
-  a.value(d.depth.anyWide);
   a.value(d.depth.uniformLabel);
   a.array(d.depth.label);
   a.array(d.depth.labelBytes);
@@ -123,7 +122,6 @@ bool bricksHold(const DepthBricks& d, const std::array<std::int32_t, 3>& extent)
     const std::size_t place = DepthBricks::placeOf(d.words[i]);
     const std::size_t last =
         place / DepthBricks::kSlotWords + ((d.words[i] & DepthBricks::kWide) != 0);
-    if ((d.words[i] & DepthBricks::kWide) != 0 && !d.anyWide) return false;
     if (i < 64 || place % DepthBricks::kSlotWords != 0 || last >= slots) return false;
   }
   if (d.uniformLabel != 0) return d.label.empty() && d.labelBytes.empty();
