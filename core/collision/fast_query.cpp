@@ -46,7 +46,7 @@ void testRun(void* context, std::size_t r, std::size_t thread) noexcept {
   const std::size_t first = all.begin(r);
   const std::size_t place = r > 0 && done.runs == r ? done.end : first * 16;
   PackedRun out(all.out, place);
-  testLeaves(all.work, all.frame, first, all.begin(r + 1), out);
+  (void)testLeaves(all.work, all.frame, first, all.begin(r + 1), out);
   all.run[r] = {place, out.count};
   done = {r + 1, place + out.count};
 }
@@ -81,7 +81,7 @@ void findFastHere(FastWork& work, const CellPose& pose, bool everyPoint, PackedC
     return;
   }
   PackedRun all(out, 0);
-  testLeaves(work, frame, 0, count, all);
+  work.wideBefore = testLeaves(work, frame, 0, count, all);
   out.count = all.count;
 }
 

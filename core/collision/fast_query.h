@@ -59,6 +59,7 @@ struct FastWork {
   float metresPerStep = 0;                    ///< Of a value in the bricks' steps and the weights'.
   std::vector<std::uint32_t> frontier, next;  ///< Nodes of one level.
   std::uint32_t tests = 0;
+  bool wideBefore = false;  ///< The last step ended among wide bricks: a guess for this one.
   QueryWorkers* workers = nullptr;  ///< None: one thread.
   NearbyNodes nearby;
 

@@ -108,13 +108,19 @@ HWY_INLINE std::uint32_t linkOf(const Frame& frame, std::size_t i, const PointWo
   return static_cast<std::uint32_t>(word & (word >> 31));
 }
 
-// Returns the link.
+// Returns the link. `kUpper`: with the upper bits, of bricks that are wide.
+template <bool kUpper>
 HWY_INLINE std::uint32_t fetchPoint(const Frame& frame, std::size_t i,
                                     [[maybe_unused]] std::size_t deal, PointWork& work) {
   const std::uint32_t link = linkOf(frame, i, work);
   const std::uint32_t* row = frame.slots + DepthBricks::placeOf(link) + work.row[i];
 #if HWY_TARGET == HWY_AVX3_DL
   copyRows(row, work.rows[deal]);
+  if constexpr (kUpper) {
+    const std::uint32_t wide = link / DepthBricks::kWide & 1U;
+    copyRows(row + wide * DepthBricks::kSlotWords, work.upper[deal]);
+    work.wide[i] = 0U - wide;
+  }
 #else
   const std::uint32_t x6 = work.shift[i];
   if ((link & DepthBricks::kWide) == 0) [[likely]] {
@@ -135,34 +141,24 @@ constexpr std::size_t dealOf(std::size_t p) {
   return ((p & 3) << 2) + (p >> 2);
 }
 
-#if HWY_TARGET == HWY_AVX3_DL
-// The upper bits of points in wide bricks, and which points those are.
-HWY_INLINE void fetchUpper(const Frame& frame, std::size_t leaves, PointWork& work) {
-  for (std::size_t i = 0; i < leaves * 16; ++i) {
-    const std::uint32_t link = linkOf(frame, i, work);
-    const std::uint32_t wide = link / DepthBricks::kWide & 1U;
-    copyRows(
-        frame.slots + DepthBricks::placeOf(link) + work.row[i] + wide * DepthBricks::kSlotWords,
-        work.upper[i / 16 * 16 + dealOf(i % 16)]);
-    work.wide[i] = 0U - wide;
-  }
-}
-#endif
-
-// Returns whether any of the bricks is wide.
-HWY_INLINE bool fetchDepths(const Frame& frame, std::size_t leaves, PointWork& work) {
+template <bool kUpper>
+HWY_INLINE bool fetchBatch(const Frame& frame, std::size_t leaves, PointWork& work) {
   std::uint32_t links = 0;
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
 #pragma GCC unroll 16
     for (std::size_t p = 0; p < 16; ++p) {
-      links |= fetchPoint(frame, leaf * 16 + p, leaf * 16 + dealOf(p), work);
+      links |= fetchPoint<kUpper>(frame, leaf * 16 + p, leaf * 16 + dealOf(p), work);
     }
   }
-  const bool anyWide = (links & DepthBricks::kWide) != 0;
-#if HWY_TARGET == HWY_AVX3_DL
-  if (anyWide) fetchUpper(frame, leaves, work);
-#endif
-  return anyWide;
+  return (links & DepthBricks::kWide) != 0;
+}
+
+// Returns whether any of the bricks is wide. The upper bits are fetched at once where the batch
+// before had such bricks, else only when the first is found: a guess that costs time alone.
+HWY_INLINE bool fetchDepths(const Frame& frame, std::size_t leaves, bool wideBefore,
+                            PointWork& work) {
+  if (wideBefore) return fetchBatch<true>(frame, leaves, work);
+  return fetchBatch<false>(frame, leaves, work) && fetchBatch<true>(frame, leaves, work);
 }
 
 struct Rows {
@@ -364,11 +360,13 @@ HWY_INLINE void normalise(const Frame& frame, std::size_t from, PackedRun& out) 
 /// The contacts of the points in leaves begin .. end − 1 of work.frontier. Nothing is stored beyond
 /// 16 contacts a leaf: a vector stored for the lanes of a leaf begins at or before the room that
 /// the leaves up to it have, less its own length.
-HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
+/// Returns whether the last of them met wide bricks, which is the guess for the next.
+HWY_INLINE bool testLeaves(const FastWork& work, const Frame& frame, std::size_t begin,
                            std::size_t end, PackedRun& out) {
   const Decoder decode(frame);
   const PointBlock* leaves = work.shell->leaf.data();
   PointWork points;
+  bool wide = work.wideBefore;
   for (std::size_t first = begin; first < end; first += kLeaves) {
     const std::size_t n = std::min(kLeaves, end - first);
     const std::size_t from = out.count;
@@ -379,10 +377,10 @@ HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t
       }
       findCells(frame, leaves[work.frontier[first + i]], i * 16, points);
     }
-    const bool anyWide = fetchDepths(frame, n, points);
+    wide = fetchDepths(frame, n, wide, points);
     for (std::size_t i = 0; i < n; ++i) {
       const PointBlock& leaf = leaves[work.frontier[first + i]];
-      if (anyWide) {
+      if (wide) {
         evaluate<true>(decode, leaf, points, i * 16, work, out);
       } else {
         evaluate<false>(decode, leaf, points, i * 16, work, out);
@@ -390,6 +388,7 @@ HWY_INLINE void testLeaves(const FastWork& work, const Frame& frame, std::size_t
     }
     normalise(frame, from, out);
   }
+  return wide;
 }
 
 }  // namespace HWY_NAMESPACE
