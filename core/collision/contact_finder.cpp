@@ -8,32 +8,10 @@
 
 #include "core/collision/contact_budget.h"
 #include "core/collision/query_work.h"
+#include "core/collision/rigid_pose.h"
 
 namespace palpate {
 namespace {
-
-// How far R may be from a rotation. A pose off by this much moves a point a metre away from its
-// rotation's axis by a micrometre.
-constexpr double kRigidTolerance = 1e-6;
-
-bool isRigidPose(const Eigen::Isometry3d& X) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      if (!std::isfinite(X(i, j))) return false;
-    }
-  }
-  double worst = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double dot = X(0, i) * X(0, j) + X(1, i) * X(1, j) + X(2, i) * X(2, j);
-      worst = std::max(worst, std::abs(dot - (i == j ? 1.0 : 0.0)));
-    }
-  }
-  const double det = X(0, 0) * (X(1, 1) * X(2, 2) - X(1, 2) * X(2, 1)) -
-                     X(0, 1) * (X(1, 0) * X(2, 2) - X(1, 2) * X(2, 0)) +
-                     X(0, 2) * (X(1, 0) * X(2, 1) - X(1, 1) * X(2, 0));
-  return worst <= kRigidTolerance && det > 0.0;
-}
 
 // More than rounding can err in a transformed centre, wherever the pose is: a billionth of a voxel
 // and 2^-40 of the lengths involved (a transform errs by a few 2^-53 of them).

@@ -11,7 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "tests/benchmarks/pack-inl.h"
+#include "core/collision/pack-inl.h"
 
 #ifndef PALPATE_BENCH_DENSE_PEERS_ONCE
 #define PALPATE_BENCH_DENSE_PEERS_ONCE
@@ -32,6 +32,9 @@ HWY_BEFORE_NAMESPACE();
 namespace palpate::bench {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D>
+using Packer = palpate::HWY_NAMESPACE::Packer<D>;
 
 using DF = hn::CappedTag<float, 16>;
 using DI = hn::RebindToSigned<DF>;
