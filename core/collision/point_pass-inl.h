@@ -96,7 +96,8 @@ inline std::uint32_t wideDepths(const Frame& frame, std::uint32_t low, std::uint
 #if HWY_TARGET == HWY_AVX3_DL
 // Four rows of a point's cell, two and two of them neighbours.
 HWY_INLINE void copyRows(const std::uint32_t* row, std::uint32_t* to) {
-  const __m128d lower = _mm_load_sd(reinterpret_cast<const double*>(row));
+  // Rows are aligned as words only.
+  const __m128d lower = _mm_castsi128_pd(_mm_loadu_si64(row));
   _mm_store_pd(reinterpret_cast<double*>(to),
                _mm_loadh_pd(lower, reinterpret_cast<const double*>(row + 5)));
 }
