@@ -4,56 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/voxels/banded_distance.cpp"
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include "core/voxels/axis_distance.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace palpate {
-namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Refines sixteen neighbouring lines along one axis: `in` is [n][16]; rows first .. last go to
-// `out`, [last - first][16].
-void refineLines(const float* in, float* out, std::size_t n, std::size_t first, std::size_t last,
-                 float weight) {
-  const hn::CappedTag<float, 16> d;
-  const auto zero = hn::Zero(d);
-  for (std::size_t at = 0; at < 16; at += hn::Lanes(d)) {
-    for (std::size_t i = first; i < last; ++i) {
-      const auto own = hn::Load(d, in + i * 16 + at);
-      const auto sign = hn::CopySign(hn::Set(d, 1.0f), own);
-      auto best = hn::Abs(own);
-      for (std::size_t k = 1; k < n; ++k) {
-        const auto step = hn::Set(d, weight * static_cast<float>(k * k));
-        if (hn::AllTrue(d, hn::Le(best, step))) break;
-        if (i >= k) {
-          const auto other = hn::Max(hn::Mul(sign, hn::Load(d, in + (i - k) * 16 + at)), zero);
-          best = hn::Min(best, hn::Add(other, step));
-        }
-        if (i + k < n) {
-          const auto other = hn::Max(hn::Mul(sign, hn::Load(d, in + (i + k) * 16 + at)), zero);
-          best = hn::Min(best, hn::Add(other, step));
-        }
-      }
-      hn::Store(hn::CopySign(best, own), d, out + (i - first) * 16 + at);
-    }
-  }
-}
-
-}  // namespace HWY_NAMESPACE
-}  // namespace palpate
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace palpate {
 namespace {
-
-HWY_EXPORT(refineLines);
 
 constexpr std::size_t kTile = 16;
 
@@ -81,43 +37,15 @@ BandedDistance::BandedDistance(const VoxelBits& solid, const DepthPalette& palet
           static_cast<std::int32_t>(std::sqrt(std::max(farCap_, deepCap_) / palette.weight()[2])) +
           1) {}
 
-// Run by run: a voxel's distance along the row is that to the nearer end of its run that is not
-// the grid's.
-void BandedDistance::fillRow(const std::uint64_t* bits, float* out) const {
-  const std::int32_t n = solid_.extent[0];
-  const float weight = palette_.weight()[0];
-  std::int32_t begin = 0;
-  while (begin < n) {
-    const bool inside = (bits[begin >> 6] >> (begin & 63) & 1U) != 0;
-    std::int32_t end = begin;
-    while (end < n) {  // to the first bit of the other kind
-      const std::uint64_t w = (inside ? ~bits[end >> 6] : bits[end >> 6]) >> (end & 63);
-      if (w != 0) {
-        end += std::countr_zero(w);
-        break;
-      }
-      end = ((end >> 6) + 1) << 6;
-    }
-    end = std::min(end, n);
-    const float cap = inside ? deepCap_ : farCap_;
-    const float sign = inside ? -1.0f : 1.0f;
-    for (std::int32_t i = begin; i < end; ++i) {
-      const auto left = static_cast<float>(i - begin + 1);
-      const auto right = static_cast<float>(end - i);
-      const float toLeft = begin > 0 ? weight * (left * left) : cap;
-      const float toRight = end < n ? weight * (right * right) : cap;
-      out[i] = sign * std::min(cap, std::min(toLeft, toRight));
-    }
-    begin = end;
-  }
-}
-
 void BandedDistance::fillPlane(std::int32_t z, std::vector<float>& plane) const {
   const auto nx = static_cast<std::size_t>(solid_.extent[0]);
   const auto ny = static_cast<std::size_t>(solid_.extent[1]);
   plane.resize(nx * ny);
+  const RowSpan whole{0, solid_.extent[0], 0, solid_.extent[0]};
+  const SquareCaps caps{farCap_, deepCap_};
   for (std::size_t j = 0; j < ny; ++j) {
-    fillRow(solid_.row(static_cast<std::int32_t>(j), z), plane.data() + j * nx);
+    squaresAlongRow(solid_.row(static_cast<std::int32_t>(j), z), whole, palette_.weight()[0], caps,
+                    plane.data() + j * nx);
   }
   Lines in(ny);
   Lines out(ny);
@@ -133,7 +61,7 @@ void BandedDistance::fillPlane(std::int32_t z, std::vector<float>& plane) const 
       }
     }
     if (!band) continue;
-    HWY_DYNAMIC_DISPATCH(refineLines)(in.data(), out.data(), ny, 0, ny, palette_.weight()[1]);
+    refineRows(in.data(), kTile, ny, out.data(), kTile, 0, ny, kTile, palette_.weight()[1]);
     for (std::size_t j = 0; j < ny; ++j) {
       std::copy_n(out.data() + j * kTile, width, plane.data() + j * nx + x);
     }
@@ -183,8 +111,8 @@ void BandedDistance::slab(std::int32_t first, std::int32_t last, std::vector<flo
           }
         }
         if (band) {
-          HWY_DYNAMIC_DISPATCH(refineLines)
-          (in.data(), lines.data(), depth, begin, end, palette_.weight()[2]);
+          refineRows(in.data(), kTile, depth, lines.data(), kTile, begin, end, kTile,
+                     palette_.weight()[2]);
         } else {
           std::fill_n(lines.data(), (end - begin) * kTile, farCap_);
         }
@@ -197,4 +125,3 @@ void BandedDistance::slab(std::int32_t first, std::int32_t last, std::vector<flo
 }
 
 }  // namespace palpate
-#endif

@@ -33,7 +33,6 @@ class BandedDistance {
 
  private:
   void fillPlane(std::int32_t z, std::vector<float>& plane) const;
-  void fillRow(const std::uint64_t* bits, float* out) const;
 
   const VoxelBits& solid_;
   const DepthPalette& palette_;

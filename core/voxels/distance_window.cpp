@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/voxels/axis_distance.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/voxels/distance_window.cpp"
 #include <hwy/foreach_target.h>
@@ -15,35 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace palpate {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-// Refines signed squares along one axis, as banded_distance.cpp does. Rows of `width` values, a
-// multiple of 16; `n` rows in, first .. last out.
-void refineRows(const float* in, std::size_t inStride, std::size_t n, float* out,
-                std::size_t outStride, std::size_t first, std::size_t last, std::size_t width,
-                float weight) {
-  const hn::CappedTag<float, 16> d;
-  const auto zero = hn::Zero(d);
-  for (std::size_t at = 0; at < width; at += hn::Lanes(d)) {
-    for (std::size_t i = first; i < last; ++i) {
-      const auto own = hn::Load(d, in + i * inStride + at);
-      const auto sign = hn::CopySign(hn::Set(d, 1.0f), own);
-      auto best = hn::Abs(own);
-      for (std::size_t k = 1; k < n; ++k) {
-        const auto step = hn::Set(d, weight * static_cast<float>(k * k));
-        if (hn::AllTrue(d, hn::Le(best, step))) break;
-        if (i >= k) {
-          const float* from = in + (i - k) * inStride + at;
-          best = hn::Min(best, hn::Add(hn::Max(hn::Mul(sign, hn::Load(d, from)), zero), step));
-        }
-        if (i + k < n) {
-          const float* from = in + (i + k) * inStride + at;
-          best = hn::Min(best, hn::Add(hn::Max(hn::Mul(sign, hn::Load(d, from)), zero), step));
-        }
-      }
-      hn::Store(hn::CopySign(best, own), d, out + (i - first) * outStride + at);
-    }
-  }
-}
 
 // One row out: the least of `cap` and every row in plus its step. Steps may be left out that are
 // no less than the cap.
@@ -67,7 +40,6 @@ HWY_AFTER_NAMESPACE();
 namespace palpate {
 namespace {
 
-HWY_EXPORT(refineRows);
 HWY_EXPORT(leastOfRows);
 
 constexpr std::size_t kLanes = 16;
@@ -110,46 +82,6 @@ DistanceWindow::DistanceWindow(const DepthPalette& palette, const Extent3& dims,
   out_.resize(stride * rows(most[1], most[2]) + kLanes);
 }
 
-// Run by run: a voxel's distance along the row is that to the nearer end of its run, if that is
-// within the bits looked at: beyond, it is more than the caps. True where all are of one kind.
-bool DistanceWindow::fillRow(const std::uint64_t* bits, std::int32_t from, std::int32_t to,
-                             float farCap, float deepCap, float* out) const noexcept {
-  const float weight = palette_.weight()[0];
-  const std::int32_t x0 = box_.lo[0];
-  const std::int32_t x1 = box_.hi[0];
-  std::int32_t begin = from;
-  while (begin < to) {
-    const bool inside = (bits[begin >> 6] >> (begin & 63) & 1U) != 0;
-    std::int32_t end = begin;
-    while (end < to) {  // to the first bit of the other kind
-      const std::uint64_t w = (inside ? ~bits[end >> 6] : bits[end >> 6]) >> (end & 63);
-      if (w != 0) {
-        end += std::countr_zero(w);
-        break;
-      }
-      end = ((end >> 6) + 1) << 6;
-    }
-    end = std::min(end, to);
-    const float cap = inside ? deepCap : farCap;
-    const float sign = inside ? -1.0f : 1.0f;
-    const std::int32_t first = std::max(begin, x0);
-    const std::int32_t last = std::min(end, x1);
-    if (begin == from && end == to) {
-      std::fill(out + (first - x0), out + (last - x0), sign * cap);
-      return true;
-    }
-    for (std::int32_t i = first; i < last; ++i) {
-      const auto left = static_cast<float>(i - begin + 1);
-      const auto right = static_cast<float>(end - i);
-      const float toLeft = begin > from ? weight * (left * left) : cap;
-      const float toRight = end < to ? weight * (right * right) : cap;
-      out[i - x0] = sign * std::min(cap, std::min(toLeft, toRight));
-    }
-    begin = end;
-  }
-  return false;
-}
-
 void DistanceWindow::measure(const VoxelBits& solid, const VoxelBox& box, Band band) noexcept {
   box_ = box;
   stride_ = padded(box.size(0));
@@ -172,7 +104,8 @@ void DistanceWindow::measure(const VoxelBits& solid, const VoxelBox& box, Band b
       float* row = rows + y * stride_;
       const std::uint64_t* bits = solid.row(wide.lo[1] + static_cast<std::int32_t>(y),
                                             wide.lo[2] + static_cast<std::int32_t>(z));
-      const bool one = fillRow(bits, wide.lo[0], wide.hi[0], farCap_, deepCap, row);
+      const bool one = squaresAlongRow(bits, {wide.lo[0], wide.hi[0], box_.lo[0], box_.hi[0]},
+                                       palette_.weight()[0], {farCap_, deepCap}, row);
       std::fill(row + used, row + stride_, row[used - 1]);
       same = same && one && row[0] == rows[0];
     }
@@ -180,14 +113,13 @@ void DistanceWindow::measure(const VoxelBits& solid, const VoxelBox& box, Band b
     if (same) {
       std::fill_n(to, plane, rows[0]);
     } else {
-      HWY_DYNAMIC_DISPATCH(refineRows)
-      (rows, stride_, wideY, to, stride_, firstY, firstY + ny, stride_, palette_.weight()[1]);
+      refineRows(rows, stride_, wideY, to, stride_, firstY, firstY + ny, stride_,
+                 palette_.weight()[1]);
     }
   }
   for (std::size_t y = 0; y < ny; ++y) {
-    HWY_DYNAMIC_DISPATCH(refineRows)
-    (alongY_.data() + y * stride_, plane, wideZ, out_.data() + y * stride_, plane, firstZ,
-     firstZ + nz, stride_, palette_.weight()[2]);
+    refineRows(alongY_.data() + y * stride_, plane, wideZ, out_.data() + y * stride_, plane, firstZ,
+               firstZ + nz, stride_, palette_.weight()[2]);
   }
 }
 

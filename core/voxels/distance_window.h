@@ -43,9 +43,6 @@ class DistanceWindow {
   }
 
  private:
-  bool fillRow(const std::uint64_t* bits, std::int32_t from, std::int32_t to, float farCap,
-               float deepCap, float* out) const noexcept;
-
   const DepthPalette& palette_;
   Extent3 dims_;
   float farCap_, deepCap_;
