@@ -2,7 +2,9 @@
 /// What a haptic device is to the servo, whoever made it.
 
 #include <array>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/haptics/messages.h"
@@ -24,6 +26,23 @@ struct DeviceInfo {
   double couplingDampingR = 8e-4;    ///< N·m·s/rad
   std::array<double, 3> workspaceMin{-0.08, -0.06, -0.035};  ///< m, in D
   std::array<double, 3> workspaceMax{0.08, 0.06, 0.035};
+};
+
+/// What an open device says of itself, for people: the device panel and `palpate devices`.
+struct DeviceCondition {
+  enum class State : std::uint8_t {
+    Ready,
+    Calibrating,  ///< No force yet; `sentence` says what the person does.
+    Problem,      ///< The device or its driver complains; force is off.
+    Gone,         ///< It does not answer; it may come back.
+  } state = State::Ready;
+  std::string sentence = "The device works.";  ///< What is, and what to do about it.
+  bool asksToConfirm = false;  ///< The person shall say that the arm is where `sentence` wants it.
+  bool canReconnect = false;   ///< reconnect() may help.
+  bool hasInkwell = false, docked = false;
+  std::uint32_t buttons = 0;
+  std::vector<double> motorTemperature;  ///< 0 cold to 1 too hot; empty: not told.
+  std::string firmware, driver, serial;  ///< Empty: not told. The serial is shown, never logged.
 };
 
 /// read() and write() run on the servo thread, once a tick each, and are real-time safe; the rest
@@ -50,6 +69,16 @@ class HapticDevice {
   }
   /// When it returns, tick is not called again and a zero wrench was sent.
   virtual void stopServo() noexcept {}
+
+  /// Any thread but the servo's, while open.
+  [[nodiscard]] virtual DeviceCondition condition() { return {}; }
+  /// Any thread: the arm is where condition() asked for it to be.
+  virtual void confirm() noexcept {}
+  /// Not on the servo thread: takes a device that went away again, the servo running on without
+  /// force. On an Error it may be tried again.
+  [[nodiscard]] virtual Result<void> reconnect() {
+    return fail(usageError("This device cannot be reconnected."));
+  }
 };
 
 }  // namespace palpate

@@ -27,6 +27,16 @@ struct PlanRow {
   std::size_t bytes = 0;
 };
 
+/// A loose body: voxels of one label, cut out of the anatomy. Its frame B is W where it starts.
+struct PreparedBody {
+  std::string name;                         ///< "fragment 2"
+  std::uint8_t label = 0;                   ///< Of the case's table: colour and material.
+  std::shared_ptr<const LabelGrid> voxels;  ///< Its own box of voxels; non-zero is the body.
+  std::shared_ptr<const VoxelTree> tree;    ///< In the box's frame.
+  std::shared_ptr<const PointShell> shell;  ///< In B: centres of surface voxels.
+  MassProperties massProperties;            ///< In B.
+};
+
 /// Shared, read-only, outlives every run of it. World W = patient P, metres.
 struct PreparedScene {
   Scene scene;
@@ -36,6 +46,7 @@ struct PreparedScene {
   std::vector<Material> materials;
   std::shared_ptr<const VoxelTree> tree;
   std::shared_ptr<const PointShell> shell;
+  std::vector<PreparedBody> bodies;  ///< Empty where the scene declares none.
   Eigen::Isometry3d X_WV = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d X_WD = Eigen::Isometry3d::Identity();
   std::array<Material, 256> materialOf;  ///< By label value.

@@ -72,7 +72,7 @@ class LoopRunner final : public Runner {
   }
   void forceOff() noexcept override { servo_.forceOff(); }
   void clearFault() noexcept override { servo_.clearFault(); }
-  [[nodiscard]] const HapticDevice& device() const noexcept override { return *device_; }
+  [[nodiscard]] HapticDevice& device() noexcept override { return *device_; }
   [[nodiscard]] const PreparedScene& scene() const noexcept override { return *scene_; }
 
  private:

@@ -44,7 +44,8 @@ struct Command {
   enum class Kind : std::uint8_t {
     ResetTool,            ///< To rest where the device is.
     SetSolverIterations,  ///< `value` impulses a step, 1 to 100000.
-    SetFriction           ///< `value` 0: off; else on.
+    SetFriction,          ///< `value` 0: off; else on.
+    SetCoupling           ///< `value` of the recommended stiffness, 0.1 to 1 (measured stable).
   } kind = Kind::ResetTool;
   double value = 0.0;
 };
@@ -106,7 +107,7 @@ class Runner {
   virtual void setEnabled(bool enabled) noexcept = 0;
   virtual void forceOff() noexcept = 0;
   virtual void clearFault() noexcept = 0;
-  [[nodiscard]] virtual const HapticDevice& device() const noexcept = 0;
+  [[nodiscard]] virtual HapticDevice& device() noexcept = 0;
   [[nodiscard]] virtual const PreparedScene& scene() const noexcept = 0;
 };
 

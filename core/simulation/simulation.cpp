@@ -71,6 +71,8 @@ void Simulation::apply(const Command& command) noexcept {
     case Command::Kind::SetFriction:
       response_.friction = command.value != 0.0;
       break;
+    case Command::Kind::SetCoupling:
+      break;
   }
   ++record_.commandCount;
 }
@@ -165,6 +167,8 @@ void Simulation::fill(Snapshot& snapshot) noexcept {
   snapshot.contact = record_.contact;
   snapshot.contacts = record_.contacts;
   snapshot.depth = record_.depth;
+  snapshot.coupling = gains_;
+  snapshot.stepPeriod = h_;
   const std::size_t drawn = std::min(contactCount_, Snapshot::kContactsDrawn);
   snapshot.contactsDrawn = static_cast<std::uint32_t>(drawn);
   if (drawn == contactCount_) {

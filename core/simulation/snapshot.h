@@ -9,6 +9,7 @@
 #include "core/geometry/pose.h"
 #include "core/haptics/messages.h"
 #include "core/haptics/safety.h"
+#include "core/haptics/virtual_coupling.h"
 
 namespace palpate {
 
@@ -19,6 +20,7 @@ struct Timing {
 
 struct Snapshot {
   static constexpr std::size_t kContactsDrawn = 4096;
+  static constexpr std::size_t kBodiesDrawn = 64;
 
   std::uint64_t step = 0;
   std::uint64_t tick = 0;
@@ -30,10 +32,14 @@ struct Snapshot {
   std::uint32_t contacts = 0;       ///< All of them.
   std::uint32_t contactsDrawn = 0;  ///< Of these, the deepest kContactsDrawn or fewer.
   double depth = 0.0;               ///< Deepest, m.
+  CouplingGains coupling;           ///< In force: lower than the device's where steps are long.
+  double stepPeriod = 1e-3;         ///< s, of the last step
+  std::uint32_t bodies = 0;         ///< Loose bodies of the scene, the first kBodiesDrawn of them.
   SafetyState safety = SafetyState::Disarmed;
   SafetyFault fault = SafetyFault::None;
   Timing stepTime, tickTime;
   std::uint64_t ticksLate = 0, ticksMissed = 0;
+  std::array<PlainPose, kBodiesDrawn> body{};       ///< X_WB; at rest B is W.
   std::array<Contact, kContactsDrawn> contact_W{};  ///< p and n in W.
 };
 static_assert(std::is_trivially_copyable_v<Snapshot>);
