@@ -15,8 +15,12 @@
 /// - Thousands of contacts are reduced to the deepest of each bucket of place and direction; the
 ///   full set is checked after each round, and what still approaches joins (at most three rounds).
 ///
+/// Any number of bodies: bodies that touch each other are resolved together, as an island; islands
+/// do not see each other. A contact's impulse acts on both its bodies, so momentum is kept to
+/// rounding.
+///
 /// Cost: c passes over all n contacts (2 <= c <= 4, about 10 ns each) plus at most `iterations`
-/// scans of at most kActiveContacts: linear in n.
+/// scans of at most kActiveContacts a body: linear in n.
 
 #include <Eigen/Core>
 #include <array>
@@ -29,16 +33,16 @@
 
 namespace palpate {
 
-/// Of the pair instrument and anatomy.
+/// Of a pair of materials.
 struct SurfaceMaterial {
   double friction = 0.2;     ///< Coulomb's coefficient, >= 0.
   double restitution = 0.0;  ///< 0..1
 };
-/// By the contact's label.
+/// What one body's surface meets: by the contact's label.
 using SurfaceTable = std::array<SurfaceMaterial, 256>;
 
 struct ResponseSettings {
-  std::uint32_t iterations = 200;  ///< Impulses a step.
+  std::uint32_t iterations = 200;  ///< Impulses a step and body of an island.
   bool friction = true;
   double allowedDepth = 2e-5;      ///< m left in, so that a resting contact persists.
   double pushFraction = 0.3;       ///< Of the remaining depth, removed a step.
@@ -56,28 +60,53 @@ struct ContactBody {
   Matrix6d mobility = Matrix6d::Identity();
 };
 
-struct ContactResponse {
+/// In the place of a body: what does not move.
+inline constexpr std::uint16_t kAnatomy = 0xFFFF;
+
+/// The contacts of one body's shell with another's tree, or with the anatomy's.
+struct ContactSet {
+  std::uint16_t body = 0;          ///< Whose shell it is; n pushes it.
+  std::uint16_t other = kAnatomy;  ///< Whose tree it is; -n pushes it. Not the same body.
+  std::span<const Contact> contacts_W;
+  const SurfaceTable* materials = nullptr;  ///< What the shell's body meets there.
+};
+
+struct BodyResponse {
   Vector6d twist = Vector6d::Zero();    ///< After the impulses.
   Vector6d impulse = Vector6d::Zero();  ///< Cumulative, on the body: N·s, N·m·s about its centre.
   Vector6d shift = Vector6d::Zero();    ///< Pose correction: m, rad about its centre.
-  std::uint32_t iterations = 0;         ///< Impulses used (velocity), at most the cap.
-  std::uint32_t activeContacts = 0;     ///< That took part.
-  bool capReached = false;              ///< Some contact still approaches.
 };
 
-/// The most contacts that take part in one response.
+struct ResponseEffort {
+  std::uint32_t iterations = 0;      ///< Impulses used (velocity).
+  std::uint32_t activeContacts = 0;  ///< That took part.
+  bool capReached = false;           ///< Some contact still approaches.
+};
+
+/// Of one body among what does not move.
+struct ContactResponse : BodyResponse, ResponseEffort {};
+
+/// The most contacts of a body that take part in one response.
 inline constexpr std::size_t kActiveContacts = 256;
+/// From this number of bodies on an island's active contacts are no more.
+inline constexpr std::size_t kBodiesWithOwnContacts = 16;
 
 /// Owns the scratch, sized at construction. One thread at a time.
 class ContactResolver {
  public:
-  ContactResolver();
+  explicit ContactResolver(std::size_t bodies = 1);
   ContactResolver(ContactResolver&&) noexcept;
   ContactResolver& operator=(ContactResolver&&) noexcept;
   ~ContactResolver();
 
   /// Contacts with p and n in W, any order; equal inputs give equal bits. Contacts that are not
-  /// finite are left out. Real-time safe.
+  /// finite are left out; so are sets of bodies that are not there or whose numbers are not finite.
+  /// `out` and `bodies` are of one length, at most what the constructor was told. Real-time safe.
+  ResponseEffort resolve(std::span<const ContactBody> bodies, std::span<const ContactSet> sets,
+                         const ResponseSettings& settings, double h,
+                         std::span<BodyResponse> out) noexcept;
+
+  /// The same for a single body.
   [[nodiscard]] ContactResponse resolveContacts(const ContactBody& body,
                                                 std::span<const Contact> contacts_W,
                                                 const SurfaceTable& materials,

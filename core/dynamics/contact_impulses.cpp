@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/dynamics/active_contact.h"
+
+namespace palpate {
+namespace {
+
+// Finer than 1e-5 m/s, of the default tolerance ten times, is not worth an impulse.
+constexpr double kPolishFactor = 10.0;
+
+class Impulses {
+ public:
+  explicit Impulses(Island& island) noexcept
+      : island_(island),
+        settings_(*island.settings),
+        most_(settings_.iterations * static_cast<std::uint32_t>(island.bodyCount)) {}
+
+  void run() noexcept {
+    const double tolerance = settings_.tolerance;
+    while (true) {
+      ActiveContact* polish = nullptr;
+      double polishGain = 0.0;
+      bool polishSlides = false;
+      bool acted = false;
+      for (std::size_t k = 0; k < island_.count; ++k) {
+        ActiveContact& a = island_.active[island_.order[k]];
+        const Eigen::Vector3d u = island_.velocityAt(a);
+        const double un = a.n.dot(u);
+        if (un < -a.inward - tolerance) {
+          if (island_.effort.iterations >= most_) {
+            island_.effort.capReached = true;
+            return;
+          }
+          if (!a.prepared) island_.prepare(a);
+          approach(a, u, un);
+          ++island_.effort.iterations;
+          acted = true;
+          break;
+        }
+        if (a.normalImpulse <= 0.0 || a.bounced || a.settled) continue;
+        considerPolish(a, u, un, polish, polishGain, polishSlides);
+      }
+      if (acted) continue;
+      if (polish == nullptr || island_.effort.iterations >= most_) return;
+      if (polishSlides) {
+        slide(*polish);
+      } else if (!takeBack(*polish)) {
+        polish->settled = true;
+      }
+      ++island_.effort.iterations;
+    }
+  }
+
+ private:
+  void apply(ActiveContact& a, const Eigen::Vector3d& dj) noexcept {
+    island_.twist(a.body).noalias() += a.toTwist * dj;
+    if (a.other != kAnatomy) island_.twist(a.other).noalias() -= a.toTwistOther * dj;
+    a.impulse += dj;
+    a.normalImpulse = a.n.dot(a.impulse);
+    a.tangentImpulse2 = std::max(0.0, a.impulse.squaredNorm() - a.normalImpulse * a.normalImpulse);
+  }
+
+  /// Brings the contact to rest (and bounce) in one impulse, if Coulomb's cone and the energy
+  /// allow.
+  bool stick(ActiveContact& a, const Eigen::Vector3d& u, double after) noexcept {
+    const Eigen::Vector3d dj = a.Kinverse * (after * a.n - u);
+    const Eigen::Vector3d j = a.impulse + dj;
+    const double jn = a.n.dot(j);
+    if (jn < 0.0) return false;
+    if ((j - jn * a.n).norm() > a.friction * jn) return false;
+    if (u.dot(dj) + 0.5 * dj.dot(a.K * dj) > 0.0) return false;
+    apply(a, dj);
+    return true;
+  }
+
+  /// Friction against the sliding, the total within the cone. A projected gradient step of 1/L:
+  /// the energy cannot rise.
+  void slide(ActiveContact& a) noexcept {
+    if (a.friction <= 0.0) return;
+    const Eigen::Vector3d u = island_.velocityAt(a);
+    const Eigen::Vector3d tangent = u - a.n.dot(u) * a.n;
+    const Eigen::Vector3d before = a.impulse - a.normalImpulse * a.n;
+    Eigen::Vector3d after = before - tangent / a.Ktangent;
+    const double limit = a.friction * a.normalImpulse;
+    const double length = after.norm();
+    if (length > limit) after *= limit / length;
+    apply(a, after - before);
+  }
+
+  void approach(ActiveContact& a, const Eigen::Vector3d& u, double un) noexcept {
+    const double e = un < -settings_.restitutionSpeed ? a.restitution : 0.0;
+    if (e > 0.0) a.bounced = true;
+    const double after = e > 0.0 ? -e * un : -a.inward;
+    if (a.friction > 0.0 && stick(a, u, after)) return;
+    apply(a, ((after - un) / a.Kn) * a.n);
+    slide(a);
+  }
+
+  /// How much of a contact's impulse later impulses made needless, as a velocity.
+  [[nodiscard]] static double needless(const ActiveContact& a, double un) noexcept {
+    return std::min(a.normalImpulse * a.Kn, un + a.inward);
+  }
+
+  /// Takes a needless impulse back, with the friction that it carried. Only what does not raise the
+  /// energy: first to rest in one go, then along the normal with the friction cut to its new cone,
+  /// then down to what that friction needs. False: nothing can go.
+  bool takeBack(ActiveContact& a) noexcept {
+    const Eigen::Vector3d u = island_.velocityAt(a);
+    const double un = a.n.dot(u);
+    if (a.friction > 0.0 && stick(a, u, -a.inward)) return true;
+    const Eigen::Vector3d tangent = a.impulse - a.normalImpulse * a.n;
+    const double jn = a.normalImpulse - needless(a, un) / a.Kn;
+    const double length = tangent.norm(), limit = a.friction * jn;
+    const Eigen::Vector3d cut =
+        length > limit ? Eigen::Vector3d(tangent * (limit / length)) : tangent;
+    const Eigen::Vector3d dj = jn * a.n + cut - a.impulse;
+    if (u.dot(dj) + 0.5 * dj.dot(a.K * dj) <= 0.0) {
+      apply(a, dj);
+      return true;
+    }
+    const double held = std::max(jn, a.friction > 0.0 ? length / a.friction : 0.0);
+    if (a.normalImpulse - held <= 1e-9 * a.normalImpulse) return false;
+    apply(a, (held - a.normalImpulse) * a.n);
+    return true;
+  }
+
+  /// Of the contacts that no longer approach, the one with the most to gain: a needless impulse, or
+  /// friction not yet spent on a slide.
+  void considerPolish(ActiveContact& a, const Eigen::Vector3d& u, double un, ActiveContact*& best,
+                      double& gain, bool& slides) const noexcept {
+    const double enough = kPolishFactor * settings_.tolerance;
+    if (un + a.inward > enough) {
+      const double g = needless(a, un);
+      if (g > enough && g > gain) {
+        best = &a;
+        gain = g;
+        slides = false;
+      }
+    }
+    if (a.friction > 0.0) {
+      const double limit = a.friction * a.normalImpulse;
+      if (a.tangentImpulse2 < limit * limit * (1.0 - 1e-9)) {
+        const double g = (u - un * a.n).norm();
+        if (g > enough && g > gain) {
+          best = &a;
+          gain = g;
+          slides = true;
+        }
+      }
+    }
+  }
+
+  Island& island_;
+  const ResponseSettings& settings_;
+  std::uint32_t most_;  ///< Impulses of the island.
+};
+
+}  // namespace
+
+void resolveVelocity(Island& island) noexcept {
+  Impulses(island).run();
+}
+
+}  // namespace palpate
