@@ -33,15 +33,68 @@ Moments momentsOf(const TriangleMesh& mesh, const Eigen::Vector3d& reference) {
   return m;
 }
 
+Result<void> checkDensity(double density_kgPerM3) {
+  if (density_kgPerM3 > 0.0 && std::isfinite(density_kgPerM3)) return {};
+  return fail(inputRefused("A body needs a density above zero.")
+                  .inField("density")
+                  .butFound(std::to_string(density_kgPerM3))
+                  .wants("a number above 0, kg/m^3"));
+}
+
+/// Sums over the solid voxels, in whole voxels from the first voxel: exact up to 2^53.
+struct VoxelSums {
+  double count = 0.0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+};
+
+VoxelSums sumsOf(const LabelGrid& body) {
+  VoxelSums sums;
+  const auto& dims = body.geometry.dims;
+  std::size_t at = 0;
+  for (std::int32_t k = 0; k < dims[2]; ++k) {
+    for (std::int32_t j = 0; j < dims[1]; ++j) {
+      for (std::int32_t i = 0; i < dims[0]; ++i, ++at) {
+        if (body.labels[at] == 0) continue;
+        const Eigen::Vector3d p(i, j, k);
+        sums.count += 1.0;
+        sums.first += p;
+        sums.second += p * p.transpose();
+      }
+    }
+  }
+  return sums;
+}
+
+/// Second moments about the centre -> inertia about it.
+Eigen::Matrix3d inertiaOf(const Eigen::Matrix3d& second) {
+  return second.trace() * Eigen::Matrix3d::Identity() - second;
+}
+
 }  // namespace
 
-Result<MassProperties> massPropertiesOf(const TriangleMesh& mesh_T, double density_kgPerM3) {
-  if (!(density_kgPerM3 > 0.0) || !std::isfinite(density_kgPerM3)) {
-    return fail(inputRefused("A body needs a density above zero.")
-                    .inField("density")
-                    .butFound(std::to_string(density_kgPerM3))
-                    .wants("a number above 0, kg/m^3"));
+Result<MassProperties> massPropertiesOf(const LabelGrid& body, double density_kgPerM3) {
+  if (auto checked = checkDensity(density_kgPerM3); !checked) return fail(checked.error());
+  const VoxelSums sums = sumsOf(body);
+  if (sums.count == 0.0) {
+    return fail(inputRefused("The body has no solid voxel.")
+                    .advise("Give a label volume with voxels that are not zero."));
   }
+  const GridGeometry& g = body.geometry;
+  const Eigen::Vector3d centre = sums.first / sums.count;
+  Eigen::Matrix3d aboutCentre = sums.second - sums.count * centre * centre.transpose();
+  aboutCentre.diagonal().array() += sums.count / 12.0;  // of the boxes themselves
+  const Eigen::Matrix3d toP = g.X_PV.linear() * g.spacing.asDiagonal();
+  const double voxelMass = density_kgPerM3 * g.spacing.prod();
+  MassProperties out;
+  out.mass = voxelMass * sums.count;
+  out.p_TC = g.X_PV * g.spacing.cwiseProduct(centre);
+  out.I_C = voxelMass * inertiaOf(toP * aboutCentre * toP.transpose());
+  return out;
+}
+
+Result<MassProperties> massPropertiesOf(const TriangleMesh& mesh_T, double density_kgPerM3) {
+  if (auto checked = checkDensity(density_kgPerM3); !checked) return fail(checked.error());
   if (mesh_T.triangles.empty() || !isClosed(mesh_T)) {
     return fail(inputRefused("The mesh is not closed, so it encloses no mass.")
                     .advise("Close its holes and make all triangles wind the same way."));
@@ -64,7 +117,7 @@ Result<MassProperties> massPropertiesOf(const TriangleMesh& mesh_T, double densi
   MassProperties out;
   out.mass = density_kgPerM3 * m.volume;
   out.p_TC = reference + centre;
-  out.I_C = density_kgPerM3 * (aboutCentre.trace() * Eigen::Matrix3d::Identity() - aboutCentre);
+  out.I_C = density_kgPerM3 * inertiaOf(aboutCentre);
   return out;
 }
 

@@ -130,6 +130,16 @@ Eigen::Vector3d RigidBody::midpointMomentum(const Eigen::Vector3d& l, double h) 
   return next;
 }
 
+bool RigidBody::limitTravel(double most, double reach, double h) noexcept {
+  if (most <= 0.0) return false;
+  const Eigen::Vector3d w = angularVelocity();
+  const double travel = h * (velocityAt(origin()).norm() + w.norm() * reach);
+  if (travel <= most) return false;
+  const double scale = most / travel;
+  setTwist(scale * v_, scale * w);
+  return true;
+}
+
 void RigidBody::integratePose(double h) noexcept {
   p_WC_ += h * v_;
   if (L_.squaredNorm() == 0.0) return;

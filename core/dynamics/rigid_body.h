@@ -47,6 +47,10 @@ class RigidBody {
   void setTwist(const Eigen::Vector3d& v_C, const Eigen::Vector3d& w) noexcept;
   void applyImpulse(const Eigen::Vector3d& impulse, const Eigen::Vector3d& p_W) noexcept;
 
+  /// Scales the twist down as a whole where a point within `reach` of T's origin could move farther
+  /// than `most` metres in h; says whether it did. most <= 0: no limit.
+  bool limitTravel(double most, double reach, double h) noexcept;
+
   /// Pose by velocity; momentum untouched. At most 8 Newton passes for the midpoint.
   void integratePose(double h) noexcept;
   /// Moves the pose alone (position correction). The momentum turns with the body, so the kinetic

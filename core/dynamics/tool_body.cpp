@@ -21,14 +21,18 @@ bool finite(const double (&v)[3]) noexcept {
 
 ToolBody::ToolBody(const MassProperties& mass, const ToolSettings& settings) noexcept
     : body_(mass), settings_(settings) {
-  const ToolCoupling& c = settings_.coupling;
+  setCoupling(settings.coupling);
+  mobility_ = body_.mobility();
+}
+
+void ToolBody::setCoupling(const ToolCoupling& c) noexcept {
+  settings_.coupling = c;
   const double z2 = 2.0 * settings_.dampingRatio;
   // About the origin of T, the largest inertia there can be: the slowest, least damped mode.
   const double arm2 = (body_.origin() - body_.centre()).squaredNorm();
   const double inertiaO = body_.inertia().bottomRightCorner<3, 3>().trace() + body_.mass() * arm2;
   dampingTool_ = std::max(c.damping, z2 * std::sqrt(c.stiffness * body_.mass()));
   dampingToolR_ = std::max(c.dampingR, z2 * std::sqrt(c.stiffnessR * inertiaO));
-  mobility_ = body_.mobility();
 }
 
 bool ToolBody::reset(const PlainPose& X_WT) noexcept {
@@ -75,17 +79,18 @@ bool ToolBody::applyCoupling(const ToolTarget& target, double h) noexcept {
   return good;
 }
 
-ContactResponse ToolBody::resolve(ContactResolver& resolver, std::span<const Contact> contacts_W,
-                                  const SurfaceTable& materials, const ResponseSettings& settings,
-                                  double h) noexcept {
+ContactBody ToolBody::contactBody() const noexcept {
   ContactBody moving;
   moving.p_WC = body_.centre();
   moving.twist << body_.velocity(), body_.angularVelocity();
   moving.mobility = mobility_;
-  ContactResponse response = resolver.resolveContacts(moving, contacts_W, materials, settings, h);
+  return moving;
+}
+
+void ToolBody::take(const BodyResponse& response, bool touched, double h) noexcept {
   contactWrench_.setZero();
   shift_.setZero();
-  if (contacts_W.empty()) return response;
+  if (!touched) return;
   body_.setTwist(response.twist.head<3>(), response.twist.tail<3>());
   cap(h);
   shift_ = response.shift;
@@ -95,6 +100,14 @@ ContactResponse ToolBody::resolve(ContactResolver& resolver, std::span<const Con
     contactWrench_.tail<3>() =
         response.impulse.tail<3>() / h + (body_.centre() - body_.origin()).cross(force);
   }
+}
+
+ContactResponse ToolBody::resolve(ContactResolver& resolver, std::span<const Contact> contacts_W,
+                                  const SurfaceTable& materials, const ResponseSettings& settings,
+                                  double h) noexcept {
+  const ContactResponse response =
+      resolver.resolveContacts(contactBody(), contacts_W, materials, settings, h);
+  take(response, !contacts_W.empty(), h);
   return response;
 }
 
@@ -113,13 +126,7 @@ Eigen::Vector3d ToolBody::originVelocity() const noexcept {
 }
 
 void ToolBody::cap(double h) noexcept {
-  if (settings_.maxTravel <= 0.0) return;
-  const Eigen::Vector3d w = body_.angularVelocity();
-  const double travel = h * (originVelocity().norm() + w.norm() * settings_.reach);
-  if (travel <= settings_.maxTravel) return;
-  const double scale = settings_.maxTravel / travel;
-  body_.setTwist(scale * body_.velocity(), scale * w);
-  capped_ = true;
+  if (body_.limitTravel(settings_.maxTravel, settings_.reach, h)) capped_ = true;
 }
 
 }  // namespace palpate

@@ -1,11 +1,12 @@
 #pragma once
 /// The instrument on its virtual coupling: the whole dynamic part of a simulation step.
 ///
-/// One step, h seconds (the caller does only the collision query and the change of frame):
+/// One step, h seconds (the caller does the collision query, the change of frame and other bodies):
 ///
 ///     tool.applyCoupling(target, h);                   // velocity: implicit spring-damper
 ///     n = finder.find(X_VW * tool.X_WT(), contacts);   // at the current pose; p, n to W
-///     response = tool.resolve(resolver, contacts, materials, settings, h);
+///     resolver.resolve({tool.contactBody(), ...}, sets, settings, h, responses);
+///     tool.take(responses[0], n > 0, h);
 ///     tool.advance(h);                                 // pose, and the position correction
 ///
 /// The coupling pulls the origin of T, not the centre of mass, towards the device: equal and
@@ -57,6 +58,9 @@ class ToolBody {
  public:
   ToolBody(const MassProperties& mass, const ToolSettings& settings) noexcept;
 
+  /// Other gains from the next applyCoupling() on.
+  void setCoupling(const ToolCoupling& coupling) noexcept;
+
   /// At rest at X_WT; false and no change when the pose is not rigid.
   bool reset(const PlainPose& X_WT) noexcept;
 
@@ -64,8 +68,12 @@ class ToolBody {
   /// is ignored (false): the tool coasts to rest under its damping.
   bool applyCoupling(const ToolTarget& target, double h) noexcept;
 
+  [[nodiscard]] ContactBody contactBody() const noexcept;
   /// Velocity after the contacts, capped; remembers the position correction for advance().
-  /// The response's impulse is about centre(); contactWrench() has it as a wrench.
+  /// The response's impulse is about centre(); contactWrench() has it as a wrench. Not touched:
+  /// the velocity stays, to the bit.
+  void take(const BodyResponse& response, bool touched, double h) noexcept;
+  /// Both, for a tool that is the only body.
   ContactResponse resolve(ContactResolver& resolver, std::span<const Contact> contacts_W,
                           const SurfaceTable& materials, const ResponseSettings& settings,
                           double h) noexcept;
@@ -78,7 +86,7 @@ class ToolBody {
   [[nodiscard]] Eigen::Vector3d originVelocity() const noexcept;  ///< Of the origin of T, m/s.
   [[nodiscard]] Eigen::Vector3d angularVelocity() const noexcept { return body_.angularVelocity(); }
   [[nodiscard]] const RigidBody& body() const noexcept { return body_; }
-  /// Force and torque about the origin of T, world axes, that the last resolve() put on the tool.
+  /// Force and torque about the origin of T, world axes, that the last contacts put on the tool.
   [[nodiscard]] const Vector6d& contactWrench() const noexcept { return contactWrench_; }
   /// What one step may travel was less than what the coupling asked for.
   [[nodiscard]] bool speedCapped() const noexcept { return capped_; }
@@ -89,7 +97,7 @@ class ToolBody {
 
   RigidBody body_;
   ToolSettings settings_;
-  double dampingTool_, dampingToolR_;
+  double dampingTool_ = 0.0, dampingToolR_ = 0.0;
   Matrix6d mobility_ = Matrix6d::Identity();  ///< Of tool and coupling, from applyCoupling().
   Vector6d shift_ = Vector6d::Zero();
   Vector6d contactWrench_ = Vector6d::Zero();
