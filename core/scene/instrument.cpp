@@ -39,7 +39,7 @@ Result<Instrument> readInstrument(const std::filesystem::path& path) {
   Instrument instrument;
   instrument.name = path.stem().string();
   TomlTable root(*file, file->root, "",
-                 {"title", "description", "source", "colour", "density_kg_per_m3",
+                 {"title", "description", "source", "colour", "material", "density_kg_per_m3",
                   "shell_spacing_mm", "around", "section"});
   double density = 0.0;
   double spacing_mm = millimetres(instrument.shellSpacing);
@@ -48,6 +48,7 @@ Result<Instrument> readInstrument(const std::filesystem::path& path) {
   root.text("description", instrument.description, Need::Required);
   root.text("source", instrument.source, Need::Required);
   root.colour("colour", instrument.colour);
+  root.text("material", instrument.material);
   root.number("density_kg_per_m3", density, {100.0, 25000.0}, Need::Required);
   root.number("shell_spacing_mm", spacing_mm, {0.05, 20.0});
   root.integer("around", around, {6, 256});

@@ -14,6 +14,7 @@
 #include "core/collision/point_shell.h"
 #include "core/dynamics/mass_properties.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/scene/material.h"
 
 namespace palpate {
 
@@ -21,7 +22,8 @@ struct Instrument {
   std::string name;   ///< File stem: "ball-burr".
   std::string title;  ///< "Ball burr, 6 mm".
   std::string description;
-  std::string source;  ///< Who drew it, and its licence.
+  std::string source;             ///< Who drew it, and its licence.
+  std::string material = kSteel;  ///< A name in materials.toml, or kSteel.
   TriangleMesh mesh_T;
   MassProperties massProperties;
   std::array<std::uint8_t, 3> colour{190, 196, 204};

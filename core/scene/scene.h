@@ -23,6 +23,22 @@ struct SimulationSetting {
   std::uint32_t contactCapacity = 20000;  ///< Contacts a step can hold.
   std::uint32_t solverIterations = 200;   ///< Impulses a step (paper 3.3.1).
   bool friction = true;
+  /// Of the coupling's recommended stiffness, 0.1 to 1: all of it is measured stable with any grip.
+  double couplingShare = 1.0;
+};
+
+/// A label whose voxels move, instead of standing still with the rest of the anatomy.
+struct SceneBody {
+  std::string label;
+  bool separate = true;          ///< Each connected part (faces, edges, corners) by itself.
+  double leastVolume_mm3 = 1.0;  ///< Smaller parts are left out: grains of the segmentation.
+};
+
+/// What acts on loose bodies besides contacts.
+struct Surroundings {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s², W.
+  /// 1/s: share of its velocity that a body loses a second, for the blood and tissue around it.
+  double drag = 10.0;
 };
 
 struct Scene {
@@ -33,8 +49,13 @@ struct Scene {
   /// Where the device's workspace centre stands in W (= P, metres). Empty: over the anatomy's
   /// surface, chosen from the labels by planApproach().
   std::optional<Eigen::Isometry3d> X_WD;
+  std::vector<SceneBody> bodies;  ///< Loose bodies; empty: nothing but the instrument moves.
+  Surroundings surroundings;
   SimulationSetting setting;
 };
+
+/// The most loose bodies of a scene: each pair of them has a contact query of its own in memory.
+inline constexpr std::size_t kMostBodies = 64;
 
 [[nodiscard]] Result<Scene> readScene(const std::filesystem::path& file);
 /// Whole or not at all.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -81,6 +82,43 @@ void readSetting(TomlTable& table, SimulationSetting& setting) {
   table.integer("contact_capacity", setting.contactCapacity, {1, 1000000});
   table.integer("solver_iterations", setting.solverIterations, {1, 100000});
   table.flag("friction", setting.friction);
+  table.number("coupling_share", setting.couplingShare, {0.1, 1.0});
+}
+
+SceneBody readBody(TomlFile& file, const toml::table& table, std::size_t number) {
+  TomlTable row(file, table, "body[" + std::to_string(number) + "].",
+                {"label", "separate", "least_volume_mm3"});
+  SceneBody body;
+  row.text("label", body.label, Need::Required);
+  row.flag("separate", body.separate);
+  row.number("least_volume_mm3", body.leastVolume_mm3, {0.0, 1e9});
+  return body;
+}
+
+Surroundings readSurroundings(TomlTable& table) {
+  Surroundings around;
+  double gravity[3] = {0, 0, 0};
+  table.numbers("gravity_m_per_s2", gravity, 3, {-100, 100}, Need::Optional);
+  table.number("drag_per_s", around.drag, {0.0, 1000.0});
+  around.gravity = Eigen::Vector3d(gravity[0], gravity[1], gravity[2]);
+  return around;
+}
+
+/// [[body]], where there is any.
+std::vector<SceneBody> readBodies(TomlFile& file, TomlTable& root) {
+  std::vector<SceneBody> bodies;
+  if (!file.root.contains("body")) return bodies;
+  for (const toml::table* table : root.tables("body")) {
+    bodies.push_back(readBody(file, *table, bodies.size()));
+    const auto twice = std::count_if(bodies.begin(), bodies.end(), [&bodies](const SceneBody& b) {
+      return b.label == bodies.back().label;
+    });
+    if (twice > 1) {
+      root.refuse("body", "Two bodies are of one label.", bodies.back().label,
+                  "a label each; parts of a label are told apart with separate = true");
+    }
+  }
+  return bodies;
 }
 
 Eigen::Isometry3d readDevicePose(TomlTable& table) {
@@ -105,7 +143,8 @@ Eigen::Isometry3d readDevicePose(TomlTable& table) {
 Result<Scene> sceneFrom(TomlFile file) {
   Scene scene;
   TomlTable root(file, file.root, "",
-                 {"format", "name", "labels", "instrument", "device", "device_pose", "setting"});
+                 {"format", "name", "labels", "instrument", "device", "device_pose", "body",
+                  "surroundings", "setting"});
   std::uint32_t format = 0;
   root.integer("format", format, {1, 1e6}, Need::Required);
   if (!root.failed() && format > kFormat) {
@@ -121,12 +160,17 @@ Result<Scene> sceneFrom(TomlFile file) {
     TomlTable table(file, *pose, "device_pose.", {"origin_mm", "rotation_wxyz"});
     scene.X_WD = readDevicePose(table);
   }
+  scene.bodies = readBodies(file, root);
+  if (const toml::table* around = root.table("surroundings")) {
+    TomlTable table(file, *around, "surroundings.", {"gravity_m_per_s2", "drag_per_s"});
+    scene.surroundings = readSurroundings(table);
+  }
   if (const toml::table* setting = root.table("setting")) {
     TomlTable table(
         file, *setting, "setting.",
         {"branching", "leaf", "surface_only", "method", "tight_spheres", "one_child_skip",
          "side_offset", "stop_level", "contact_budget", "perceptual_mm", "shell_spacing_mm",
-         "step_period_ms", "contact_capacity", "solver_iterations", "friction"});
+         "step_period_ms", "contact_capacity", "solver_iterations", "friction", "coupling_share"});
     readSetting(table, scene.setting);
   }
   if (file.error) return fail(*file.error);
@@ -178,7 +222,24 @@ std::string settingText(const SimulationSetting& setting) {
   line("contact_capacity", std::to_string(setting.contactCapacity));
   line("solver_iterations", std::to_string(setting.solverIterations));
   line("friction", word(setting.friction));
+  if (setting.couplingShare != 1.0) line("coupling_share", exactText(setting.couplingShare));
   return text;
+}
+
+std::string bodyText(const Scene& scene) {
+  std::string text;
+  for (const SceneBody& body : scene.bodies) {
+    text += "\n[[body]]\nlabel = " + quoted(body.label) + "\n";
+    text += std::string("separate = ") + word(body.separate) + "\n";
+    text += "least_volume_mm3 = " + exactText(body.leastVolume_mm3) + "\n";
+  }
+  if (scene.bodies.empty()) return text;
+  const Surroundings& around = scene.surroundings;
+  text += "\n[surroundings]\ngravity_m_per_s2 = [";
+  for (int axis = 0; axis < 3; ++axis) {
+    text += (axis > 0 ? ", " : "") + exactText(around.gravity[axis]);
+  }
+  return text + "]\ndrag_per_s = " + exactText(around.drag) + "\n";
 }
 
 }  // namespace
@@ -195,7 +256,7 @@ std::string sceneText(const Scene& scene) {
   text += "instrument = " + quoted(scene.instrument) + "\n";
   text += "device = " + quoted(scene.device) + "\n";
   if (scene.X_WD) text += devicePoseText(*scene.X_WD);
-  return text + settingText(scene.setting);
+  return text + bodyText(scene) + settingText(scene.setting);
 }
 
 Result<Scene> sceneFromText(const std::string& text, const std::string& path) {

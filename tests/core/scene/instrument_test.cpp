@@ -223,6 +223,37 @@ TEST(Materials, BadRowsAreRefusedByName) {
             "A number is out of range.|material[0].restitution|1.5");
   EXPECT_EQ(message(row + "stiffness = 1\n"),
             "The file has a key that is not known.|material[0].stiffness|stiffness");
+  EXPECT_EQ(message(row + "[[material.with]]\nname = \"steel\"\nfriction = 0.1\n"), "accepted");
+  EXPECT_EQ(message(row + "[[material.with]]\nname = \"wood\"\nfriction = 0.1\n"),
+            "A pair names a material that is not in the file.|material|bone with wood");
+  EXPECT_EQ(message(row + "[[material.with]]\nname = \"bone\"\n"),
+            "The file lacks a key that it must have.|material[0].with[0].friction|nothing");
+}
+
+TEST(Materials, PairsAreToldOrFollowTheRuleInEitherOrder) {
+  std::vector<Material> m(3);
+  m[0].name = "a";
+  m[0].friction = 0.4;
+  m[0].restitution = 0.3;
+  m[1].name = "b";
+  m[1].friction = 0.1;
+  m[1].restitution = 0.5;
+  m[2].name = "c";
+  m[2].friction = 0.9;
+  m[0].with = {{"c", 0.7, 0.2}, {"a", 0.6, 0.1}};
+  m[1].with = {{kSteel, 0.15, 0.05}};
+  const auto expectPair = [&m](const char* x, const char* y, double friction, double restitution) {
+    for (const auto& pair : {pairOf(m, x, y), pairOf(m, y, x)}) {
+      EXPECT_NEAR(pair.friction, friction, 1e-15) << x << " with " << y;
+      EXPECT_NEAR(pair.restitution, restitution, 1e-15) << x << " with " << y;
+    }
+  };
+  expectPair("a", kSteel, 0.4, 0.3);    // its own: with steel
+  expectPair("b", kSteel, 0.15, 0.05);  // told
+  expectPair("a", "c", 0.7, 0.2);       // told by one of them
+  expectPair("a", "a", 0.6, 0.1);
+  expectPair("a", "b", 0.2, 0.3);  // the rule: √(0.4·0.1), the lower
+  expectPair("c", "c", 0.9, 0.0);
 }
 
 }  // namespace

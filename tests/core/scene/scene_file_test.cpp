@@ -31,6 +31,10 @@ Scene unusualScene() {
   scene.setting.contactCapacity = 1234;
   scene.setting.solverIterations = 99;
   scene.setting.friction = false;
+  scene.setting.couplingShare = 0.37;
+  scene.bodies = {{"fragment", false, 0.1}, {"stone", true, 12.5}};
+  scene.surroundings.gravity = {0.1, 9.81, -0.3};
+  scene.surroundings.drag = 3.3;
   return scene;
 }
 
@@ -62,6 +66,15 @@ TEST(SceneFile, EveryFieldSurvivesARoundTripToTheBit) {
   EXPECT_EQ(b.contactCapacity, a.contactCapacity);
   EXPECT_EQ(b.solverIterations, a.solverIterations);
   EXPECT_EQ(b.friction, a.friction);
+  EXPECT_EQ(b.couplingShare, a.couplingShare);
+  ASSERT_EQ(back->bodies.size(), scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    EXPECT_EQ(back->bodies[i].label, scene.bodies[i].label);
+    EXPECT_EQ(back->bodies[i].separate, scene.bodies[i].separate);
+    EXPECT_EQ(back->bodies[i].leastVolume_mm3, scene.bodies[i].leastVolume_mm3);
+  }
+  EXPECT_EQ(back->surroundings.gravity, scene.surroundings.gravity);
+  EXPECT_EQ(back->surroundings.drag, scene.surroundings.drag);
 }
 
 TEST(SceneFile, DevicePoseSurvivesWithinRounding) {
@@ -94,7 +107,7 @@ TEST(SceneFile, UnknownKeysAreRefusedWithTheListOfKnownOnes) {
   EXPECT_EQ(refusal("format = 1\nregion = 3\n"),
             "The file has a key that is not known. File: case/scene.toml. Field: region. "
             "Found: region. Expected: one of: format, name, labels, instrument, device, "
-            "device_pose, setting. Remove it or correct its spelling.");
+            "device_pose, body, surroundings, setting. Remove it or correct its spelling.");
   EXPECT_EQ(refusal("format = 1\n[device_pose]\norigin = [0, 0, 0]\n"),
             "The file has a key that is not known. File: case/scene.toml. Field: "
             "device_pose.origin. Found: origin. Expected: one of: origin_mm, rotation_wxyz. "
@@ -120,6 +133,15 @@ TEST(SceneFile, WrongValuesAreRefusedByKeyFoundAndExpected) {
   EXPECT_EQ(refusal("format = 1\n[setting]\nstep_period_ms = 1.5\n"),
             "A step must last a whole number of servo periods of 1 ms. File: case/scene.toml. "
             "Field: setting.step_period_ms. Found: 1.5. Expected: a whole number of ms.");
+  EXPECT_EQ(refusal("format = 1\n[setting]\ncoupling_share = 1.5\n"),
+            "A number is out of range. File: case/scene.toml. Field: setting.coupling_share. "
+            "Found: 1.5. Expected: 0.1 to 1.");
+  EXPECT_EQ(refusal("format = 1\n[[body]]\nseparate = true\n"),
+            "The file lacks a key that it must have. File: case/scene.toml. Field: "
+            "body[0].label. Found: nothing. Expected: label.");
+  EXPECT_EQ(refusal("format = 1\n[[body]]\nlabel = \"a\"\n[[body]]\nlabel = \"a\"\n"),
+            "Two bodies are of one label. File: case/scene.toml. Field: body. Found: a. "
+            "Expected: a label each; parts of a label are told apart with separate = true.");
   EXPECT_EQ(refusal("format = 1\nlabels = [\"bone\", 3]\n"),
             "A value has the wrong type. File: case/scene.toml. Field: labels. "
             "Found: a whole number. Expected: an array of texts.");
