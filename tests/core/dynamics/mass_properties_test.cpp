@@ -85,5 +85,42 @@ TEST(MassProperties, RefuseADensityThatIsNone) {
   EXPECT_EQ(m.error().field, "density");
 }
 
+// The mesh of the same box is the oracle, at an oblique pose and with voxels that are no cubes.
+TEST(MassProperties, OfVoxelsAreThoseOfTheMeshAroundThem) {
+  LabelGrid grid;
+  grid.geometry.dims = {9, 8, 7};
+  grid.geometry.spacing = {0.5e-3, 0.7e-3, 1.1e-3};
+  grid.geometry.X_PV = Eigen::Translation3d(0.1, -0.2, 0.05) *
+                       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  grid.labels.assign(grid.geometry.voxelCount(), 0);
+  for (int k = 1; k < 5; ++k) {
+    for (int j = 2; j < 8; ++j) {
+      for (int i = 3; i < 6; ++i) grid.labels[grid.geometry.index(i, j, k)] = 7;
+    }
+  }
+  const Eigen::Vector3d size(3 * 0.5e-3, 6 * 0.7e-3, 4 * 1.1e-3);
+  const Eigen::Vector3d centre = grid.geometry.spacing.cwiseProduct(Eigen::Vector3d(4, 4.5, 2.5));
+  TriangleMesh mesh = test::box(size, centre);
+  for (auto& v : mesh.vertices) v = grid.geometry.X_PV * v;
+  const auto voxels = massPropertiesOf(grid, 1900.0);
+  const auto solid = massPropertiesOf(mesh, 1900.0);
+  ASSERT_TRUE(voxels);
+  ASSERT_TRUE(solid);
+  EXPECT_NEAR(voxels->mass, solid->mass, 1e-12 * solid->mass);
+  EXPECT_LT((voxels->p_TC - solid->p_TC).norm(), 1e-14);
+  EXPECT_LT((voxels->I_C - solid->I_C).norm(), 1e-12 * solid->I_C.norm());
+}
+
+TEST(MassProperties, RefuseAnEmptyGridOfVoxels) {
+  LabelGrid grid;
+  grid.geometry.dims = {2, 2, 2};
+  grid.labels.assign(8, 0);
+  const auto none = massPropertiesOf(grid, 1900.0);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().message, "The body has no solid voxel.");
+  grid.labels[3] = 1;
+  EXPECT_EQ(massPropertiesOf(grid, 0.0).error().field.value_or(""), "density");
+}
+
 }  // namespace
 }  // namespace palpate
