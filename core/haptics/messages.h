@@ -36,16 +36,20 @@ enum DeviceStatus : std::uint32_t {
   kDeviceNotReady = 8,       ///< Calibrating: no pose to trust, so no force; not a fault.
 };
 
-/// What the simulation publishes after each step; the servo extrapolates it.
+/// What the simulation publishes after each step; the servo extrapolates it. The wrench is
+/// F = K (x_tool - x_device) + B (v_tool - v_device), so its derivatives are here as well: -K and
+/// -B by the device's pose and velocity, which the servo knows at every tick, and K v_tool by time.
 struct ToolState {
   std::uint64_t step = 0;          ///< Simulation step, from 1; 0 = nothing yet.
   std::uint64_t deviceSample = 0;  ///< The sample it used.
   std::uint64_t dueTick = 0;       ///< The servo tick at which the state holds.
-  PlainPose pose;                  ///< Of T in W.
-  double v[3] = {0, 0, 0};         ///< Of the origin of T, m/s.
-  double w[3] = {0, 0, 0};         ///< rad/s.
-  Wrench coupling;                 ///< On the device, as the step saw it.
-  Wrench couplingRate;             ///< Its derivative with time, N/s.
+  /// Servo ticks from one state to the next, lately: how long the servo waits for news.
+  std::uint32_t paceTicks = 1;
+  double stiffnessShare = 1.0;  ///< K and K_R in force, of ServoSettings::gains.
+  PlainPose pose;               ///< Of T in W.
+  double v[3] = {0, 0, 0};      ///< Of the origin of T, m/s.
+  double w[3] = {0, 0, 0};      ///< rad/s.
+  Wrench coupling;              ///< On the device, as the step saw it.
   std::uint32_t contacts = 0;
   double depth = 0.0;  ///< Deepest contact, m.
 };

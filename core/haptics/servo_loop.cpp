@@ -73,13 +73,21 @@ DeviceSample ServoLoop::readDevice() noexcept {
   return s;
 }
 
+/// Servo ticks that a simulation step takes: as declared, or longer where the machine is slow, up
+/// to kSlowestPace. Beyond, the watchdog fades the force.
+std::uint32_t ServoLoop::stepTicks() const noexcept {
+  constexpr std::uint32_t kSlowestPace = 10;  // 100 steps a second
+  const std::uint32_t pace = std::min(tool_.value().paceTicks, kSlowestPace);
+  return std::max({1u, settings_.declaredStepTicks, pace});
+}
+
 /// The tool where it is by now: its last state moved on by its velocity, as far as the watchdog
 /// trusts it.
 Wrench ServoLoop::coupledWrench(const DeviceSample& device) const noexcept {
   const ToolState& tool = tool_.value();
   if (tool.step == 0) return {};
   const double trusted =
-      static_cast<double>(std::max(settings_.limits.staleTicks, 3 * settings_.declaredStepTicks));
+      static_cast<double>(std::max(settings_.limits.staleTicks, 3 * stepTicks()));
   const double late = tick_ >= tool.dueTick ? static_cast<double>(tick_ - tool.dueTick)
                                             : -static_cast<double>(tool.dueTick - tick_);
   const double dt = settings_.period * std::clamp(late, -trusted, trusted);
@@ -87,14 +95,15 @@ Wrench ServoLoop::coupledWrench(const DeviceSample& device) const noexcept {
       position(tool.pose) + dt * Eigen::Vector3d(tool.v[0], tool.v[1], tool.v[2]);
   const Eigen::Quaterniond q =
       expMap(dt * Eigen::Vector3d(tool.w[0], tool.w[1], tool.w[2])) * orientation(tool.pose);
-  return couplingWrench(settings_.gains, plain(p, q), tool.v, tool.w, device);
+  return couplingWrench(softened(settings_.gains, tool.stiffnessShare), plain(p, q), tool.v, tool.w,
+                        device);
 }
 
 /// 1 in contact, 0 in free space. Out of contact the tool's inertia and lag would be felt as a
 /// drag, and what they give and take would spend the energy balance before a contact begins
 /// (McNeely 1999: no output in free space).
 double ServoLoop::contactScale() noexcept {
-  const std::uint32_t release = std::max(kReleaseTicks, 3 * settings_.declaredStepTicks);
+  const std::uint32_t release = std::max(kReleaseTicks, 3 * stepTicks());
   freeTicks_ = tool_.value().contacts > 0 ? 0 : std::min(freeTicks_ + 1, release);
   return 1.0 - static_cast<double>(freeTicks_) / release;
 }
@@ -118,7 +127,7 @@ ServoSample ServoLoop::tick() noexcept {
   in.clearFault = clearFault_.exchange(false, std::memory_order_relaxed);
   in.inContact = tool.contacts > 0;
   in.ticksSinceNews = ticksSinceNews_;
-  in.declaredStepTicks = settings_.declaredStepTicks;
+  in.declaredStepTicks = stepTicks();
   in.deviceStatus = out.device.status;
   in.speed = Eigen::Vector3d(out.device.v[0], out.device.v[1], out.device.v[2]).norm();
   if (in.clearFault && safety_.state() == SafetyState::Fault) passivity_.rebase();

@@ -63,6 +63,7 @@ class ServoLoop {
 
  private:
   [[nodiscard]] DeviceSample readDevice() noexcept;
+  [[nodiscard]] std::uint32_t stepTicks() const noexcept;
   [[nodiscard]] double contactScale() noexcept;
   [[nodiscard]] Wrench coupledWrench(const DeviceSample& device) const noexcept;
 

@@ -4,10 +4,17 @@
 
 namespace palpate {
 
-CouplingGains recommendedGains(const DeviceInfo& device, double stepPeriod) noexcept {
+double stiffestFor(double stepPeriod) noexcept {
   constexpr double kAddedMass = 0.016;  // kg; measured with the lightest arm (35 g), margin 2
-  const double most = kAddedMass / (stepPeriod * stepPeriod);
-  const double scale = std::min(1.0, most / device.couplingStiffness);
+  return kAddedMass / (stepPeriod * stepPeriod);
+}
+
+CouplingGains softened(const CouplingGains& gains, double share) noexcept {
+  return {share * gains.stiffness, gains.damping, share * gains.stiffnessR, gains.dampingR};
+}
+
+CouplingGains recommendedGains(const DeviceInfo& device, double stepPeriod) noexcept {
+  const double scale = std::min(1.0, stiffestFor(stepPeriod) / device.couplingStiffness);
   return {scale * device.couplingStiffness, device.couplingDamping,
           scale * device.couplingStiffnessR, device.couplingDampingR};
 }

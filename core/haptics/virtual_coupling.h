@@ -13,6 +13,12 @@ struct CouplingGains {
   double dampingR = 8e-4;    ///< B_R, N·m·s/rad
 };
 
+/// The stiffest coupling, N/m, that steps of `stepPeriod` seconds allow (see recommendedGains).
+[[nodiscard]] double stiffestFor(double stepPeriod) noexcept;
+
+/// `share` (0..1) of K and K_R; the damping stays.
+[[nodiscard]] CouplingGains softened(const CouplingGains& gains, double share) noexcept;
+
 /// The device's own gains (half or less of what tests/stability measures to be stable with any
 /// grip), lowered where the simulation's steps are long: the tool is then predicted up to two steps
 /// ahead, which acts on the device as an added mass of about K·(1.5·step)²/2 and may not exceed the

@@ -114,6 +114,36 @@ bool unpackMaterials(const std::vector<std::uint8_t>& bytes, std::vector<Materia
   return from.finished();
 }
 
+/// How materials meet, and what the instrument is made of. Not in sessions of format 1.
+std::vector<std::uint8_t> packPairs(const PreparedScene& scene) {
+  Packer to;
+  to.put(scene.instrument.material);
+  for (const auto& material : scene.materials) {
+    to.put(static_cast<std::uint64_t>(material.with.size()));
+    for (const auto& pair : material.with) {
+      to.put(pair.other);
+      to.put(pair.friction);
+      to.put(pair.restitution);
+    }
+  }
+  return to.bytes();
+}
+
+bool unpackPairs(const std::vector<std::uint8_t>& bytes, std::vector<Material>& materials,
+                 Instrument& instrument) {
+  Unpacker from(bytes);
+  from.get(instrument.material);
+  for (auto& material : materials) {
+    material.with.resize(from.count(16));
+    for (auto& pair : material.with) {
+      from.get(pair.other);
+      from.get(pair.friction);
+      from.get(pair.restitution);
+    }
+  }
+  return from.finished();
+}
+
 std::vector<std::uint8_t> packInstrument(const Instrument& instrument) {
   Packer to;
   to.put(instrument.name);
@@ -188,6 +218,7 @@ SessionParts partsOf(const PreparedScene& scene) {
           {"labels", packFeltLabels(scene, felt)},
           {"label_table", packTable(scene, felt)},
           {"materials", packMaterials(scene.materials)},
+          {"pairs", packPairs(scene)},
           {"instrument", packInstrument(scene.instrument)}};
 }
 
@@ -236,6 +267,10 @@ Result<std::shared_ptr<const PreparedScene>> prepareParts(const SessionParts& pa
   const auto* instrumentBytes = find(parts, "instrument");
   if (instrumentBytes == nullptr || !unpackInstrument(*instrumentBytes, instrument)) {
     return fail(damaged(file, "instrument"));
+  }
+  const auto* pairBytes = find(parts, "pairs");
+  if (pairBytes != nullptr && !unpackPairs(*pairBytes, materials, instrument)) {
+    return fail(damaged(file, "pairs"));
   }
   return prepareScene(*scene, std::move(labels), table, materials, instrument, progress);
 }

@@ -49,7 +49,7 @@ std::uint64_t ofInstrument(const Instrument& instrument, std::uint64_t seed) {
 }
 
 std::uint64_t ofSetting(const SimulationSetting& setting, std::uint64_t seed) {
-  BitRow<16> row;
+  BitRow<18> row;
   row.add(static_cast<std::uint16_t>(setting.tree.branching));
   row.add(static_cast<std::uint8_t>(setting.tree.leaf));
   row.add(setting.tree.surfaceOnly);
@@ -66,19 +66,35 @@ std::uint64_t ofSetting(const SimulationSetting& setting, std::uint64_t seed) {
   row.add(setting.contactCapacity);
   row.add(setting.solverIterations);
   row.add(setting.friction);
+  if (setting.couplingShare != 1.0) row.add(setting.couplingShare);
   return row.hash(seed);
 }
 
-std::uint64_t ofMaterials(const PreparedScene& prepared, const FeltLabels& felt,
-                          std::uint64_t seed) {
+std::uint64_t ofSurface(const SurfaceTable& surface, const FeltLabels& felt, std::uint64_t seed) {
   for (std::size_t label = 1; label < felt.size(); ++label) {
     if (!felt[label]) continue;
     BitRow<4> row;
-    row.add(prepared.materialOf[label].friction);
-    row.add(prepared.materialOf[label].restitution);
+    row.add(surface[label].friction);
+    row.add(surface[label].restitution);
     seed = row.hash(seed);
   }
   return seed;
+}
+
+/// Only where there are any: scenes without bodies keep their fingerprints.
+std::uint64_t ofBodies(const PreparedScene& prepared, const FeltLabels& felt, std::uint64_t seed) {
+  for (const PreparedBody& body : prepared.bodies) {
+    BitRow<8> row;
+    row.add(body.label);
+    row.add(body.massProperties.mass);
+    for (int axis = 0; axis < 3; ++axis) row.add(body.massProperties.p_TC[axis]);
+    seed = ofSurface(body.surface, felt, row.hash(seed));
+  }
+  if (prepared.bodies.empty()) return seed;
+  BitRow<4> row;
+  for (int axis = 0; axis < 3; ++axis) row.add(prepared.scene.surroundings.gravity[axis]);
+  row.add(prepared.scene.surroundings.drag);
+  return row.hash(seed);
 }
 
 }  // namespace
@@ -86,7 +102,8 @@ std::uint64_t ofMaterials(const PreparedScene& prepared, const FeltLabels& felt,
 std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt) {
   std::uint64_t hash = ofGeometry(prepared.labels->geometry, 0);
   hash = ofLabels(*prepared.labels, felt, hash);
-  hash = ofMaterials(prepared, felt, hash);
+  hash = ofSurface(prepared.instrumentSurface, felt, hash);
+  hash = ofBodies(prepared, felt, hash);
   hash = ofInstrument(prepared.instrument, hash);
   return ofSetting(prepared.scene.setting, hash);
 }

@@ -8,11 +8,11 @@
 
 namespace palpate {
 
-/// The values that a prepared scene feels.
+/// The values that a prepared scene feels, those of loose bodies among them.
 [[nodiscard]] FeltLabels feltLabelsOf(const PreparedScene& prepared);
 
-/// Of geometry, felt labels, their materials, instrument, and setting. Labels that are not felt
-/// do not count, nor does where the device stands: samples are recorded in the world.
+/// Of geometry, felt labels, their materials, loose bodies, instrument, and setting. Labels that
+/// are not felt do not count, nor does where the device stands: samples are recorded in the world.
 [[nodiscard]] std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt);
 
 }  // namespace palpate

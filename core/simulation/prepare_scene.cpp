@@ -5,6 +5,7 @@
 #include "core/simulation/approach.h"
 #include "core/simulation/fingerprint.h"
 #include "core/simulation/plan.h"
+#include "core/simulation/prepare_bodies.h"
 #include "core/simulation/prepared_scene.h"
 #include "core/voxels/tree_cache.h"
 
@@ -27,12 +28,14 @@ Result<void> checkGrid(const LabelGrid& grid) {
   return {};
 }
 
-/// The values that the scene feels; all that are not background where it names none.
-Result<FeltLabels> feltLabels(const Scene& scene, const LabelTable& table) {
+/// The values of what stands still; all that are not background where the scene names none. Labels
+/// of loose bodies are not among them.
+Result<FeltLabels> anatomyLabels(const Scene& scene, const LabelTable& table) {
   FeltLabels felt{};
+  const auto moves = bodyLabels(scene, table);
+  if (!moves) return fail(moves.error());
   if (scene.labels.empty()) {
-    felt.fill(true);
-    felt[0] = false;
+    for (std::size_t value = 1; value < felt.size(); ++value) felt[value] = !(*moves)[value];
     return felt;
   }
   for (const std::string& name : scene.labels) {
@@ -45,8 +48,14 @@ Result<FeltLabels> feltLabels(const Scene& scene, const LabelTable& table) {
                       .wants("one of: " + labelNames(table))
                       .advise("Segment that label, or name another in the scene."));
     }
-    felt[row->value] = true;
+    felt[row->value] = !(*moves)[row->value];
   }
+  return felt;
+}
+
+/// What stands still and what moves.
+FeltLabels withBodies(FeltLabels felt, const FeltLabels& moves) {
+  for (std::size_t value = 0; value < felt.size(); ++value) felt[value] |= moves[value];
   return felt;
 }
 
@@ -115,10 +124,11 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
     const std::vector<Material>& materials, const Instrument& instrument, const Progress& progress,
     const std::filesystem::path& treeCache) {
   if (auto checked = checkGrid(*labels); !checked) return fail(checked.error());
-  const auto felt = feltLabels(scene, table);
-  if (!felt) return fail(felt.error());
-  const auto values = presentLabels(scene, *labels, *felt);
+  const auto anatomy = anatomyLabels(scene, table);
+  if (!anatomy) return fail(anatomy.error());
+  const auto values = presentLabels(scene, *labels, *anatomy);
   if (!values) return fail(values.error());
+  const FeltLabels felt = withBodies(*anatomy, *bodyLabels(scene, table));
 
   auto prepared = std::make_shared<PreparedScene>();
   prepared->scene = scene;
@@ -126,13 +136,18 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   prepared->labels = std::move(labels);
   prepared->table = table;
   prepared->materials = materials;
-  if (auto assigned = assignMaterials(*prepared, *felt); !assigned) return fail(assigned.error());
+  if (auto assigned = assignMaterials(*prepared, felt); !assigned) return fail(assigned.error());
+  prepared->instrumentSurface = surfaceOf(*prepared, instrument.material);
 
   auto tree = openOrBuildTree(*prepared->labels, *values, scene.setting.tree, treeCache,
-                              share(progress, 0.0, 0.8));
+                              share(progress, 0.0, 0.7));
   if (!tree) return fail(tree.error());
   prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
   if (progress.cancelled()) return fail(cancelled());
+
+  if (auto bodies = prepareBodies(*prepared, share(progress, 0.7, 0.8)); !bodies) {
+    return fail(bodies.error());
+  }
 
   progress(0.8, "Sampling the instrument");
   const double spacing =
@@ -147,12 +162,12 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   if (scene.X_WD) {
     prepared->X_WD = *scene.X_WD;
   } else {
-    const auto approach = planApproach(*prepared->labels, *felt);
+    const auto approach = planApproach(*prepared->labels, *anatomy);
     if (!approach) return fail(approach.error());
     prepared->X_WD = approach->X_PD;
     approachIsClear = approach->clear;
   }
-  prepared->fingerprint = fingerprintOf(*prepared, *felt);
+  prepared->fingerprint = fingerprintOf(*prepared, felt);
   prepared->plan = planOf(*prepared, *values, spacing, approachIsClear);
   progress(1.0, "Ready");
   return std::shared_ptr<const PreparedScene>(std::move(prepared));
@@ -160,7 +175,8 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
 
 FeltLabels feltLabelsOf(const PreparedScene& prepared) {
   // The names were checked when the scene was prepared.
-  return *feltLabels(prepared.scene, prepared.table);
+  return withBodies(*anatomyLabels(prepared.scene, prepared.table),
+                    *bodyLabels(prepared.scene, prepared.table));
 }
 
 }  // namespace palpate

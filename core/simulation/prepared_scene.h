@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/dynamics/contact_response.h"
 #include "core/scene/instrument.h"
 #include "core/scene/material.h"
 #include "core/scene/scene.h"
@@ -35,6 +36,7 @@ struct PreparedBody {
   std::shared_ptr<const VoxelTree> tree;    ///< In the box's frame.
   std::shared_ptr<const PointShell> shell;  ///< In B: centres of surface voxels.
   MassProperties massProperties;            ///< In B.
+  SurfaceTable surface;                     ///< What it meets, by label.
 };
 
 /// Shared, read-only, outlives every run of it. World W = patient P, metres.
@@ -50,6 +52,7 @@ struct PreparedScene {
   Eigen::Isometry3d X_WV = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d X_WD = Eigen::Isometry3d::Identity();
   std::array<Material, 256> materialOf;  ///< By label value.
+  SurfaceTable instrumentSurface;        ///< What the instrument meets, by label.
   std::vector<PlanRow> plan;
   std::uint64_t fingerprint = 0;  ///< Of labels, instrument and setting; in the session.
 };

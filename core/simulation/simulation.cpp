@@ -11,14 +11,6 @@
 namespace palpate {
 namespace {
 
-SurfaceTable surfacesOf(const PreparedScene& scene) {
-  SurfaceTable table;
-  for (std::size_t label = 0; label < table.size(); ++label) {
-    table[label] = {scene.materialOf[label].friction, scene.materialOf[label].restitution};
-  }
-  return table;
-}
-
 ResponseSettings responseOf(const SimulationSetting& setting) {
   ResponseSettings response;
   response.iterations = setting.solverIterations;
@@ -26,12 +18,32 @@ ResponseSettings responseOf(const SimulationSetting& setting) {
   return response;
 }
 
+ToolCoupling toolCoupling(const CouplingGains& gains) noexcept {
+  return {gains.stiffness, gains.damping, gains.stiffnessR, gains.dampingR};
+}
+
 ToolSettings toolSettings(const PreparedScene& scene, const CouplingGains& gains) {
   ToolSettings settings;
-  settings.coupling = {gains.stiffness, gains.damping, gains.stiffnessR, gains.dampingR};
+  settings.coupling = toolCoupling(gains);
   settings.maxTravel = scene.tree->geometry().spacing.minCoeff();
   settings.reach = scene.shell->reach();
   return settings;
+}
+
+std::vector<LooseBody> looseBodies(const PreparedScene& scene) {
+  std::vector<LooseBody> bodies;
+  for (const PreparedBody& body : scene.bodies) {
+    LooseBodySettings settings;
+    settings.gravity = scene.scene.surroundings.gravity;
+    settings.drag = scene.scene.surroundings.drag;
+    settings.maxTravel = body.tree->geometry().spacing.minCoeff();
+    for (const Eigen::Vector3d& p : body.shell->points_T()) {
+      settings.reach = std::max(settings.reach, p.norm());
+    }
+    bodies.emplace_back(body.massProperties, settings);
+    (void)bodies.back().reset(PlainPose{});  // B is W where it starts
+  }
+  return bodies;
 }
 
 void copy(const Eigen::Vector3d& from, double (&to)[3]) noexcept {
@@ -40,22 +52,33 @@ void copy(const Eigen::Vector3d& from, double (&to)[3]) noexcept {
 
 // The servo period that every device here runs at (haptics_facts: Phantoms at 1 kHz).
 constexpr double kServoPeriod = 1e-3;
+constexpr double kLeastShare = 0.1;
+// Slower than 100 steps a second the force fades (servo_loop.h), and simulated time with it.
+constexpr double kSlowestPace = 10.0;
+// Servo ticks over which the pace that was slowest is forgotten, and the coupling stiffens again.
+constexpr double kForget = 1000.0;
+// Over so many ticks a coupling that has to give way does so: at once would be felt as a step.
+constexpr double kGiveWay = 20.0;
 
 }  // namespace
 
 Simulation::Simulation(std::shared_ptr<const PreparedScene> scene, const CouplingGains& gains)
     : scene_(std::move(scene)),
       gains_(gains),
-      X_WV_(scene_->X_WV),
-      X_VW_(scene_->X_WV.inverse()),
-      h_(scene_->scene.setting.stepPeriod),
-      stepTicks_(static_cast<std::uint32_t>(
-          std::max(1.0, std::round(scene_->scene.setting.stepPeriod / kServoPeriod)))),
-      surfaces_(surfacesOf(*scene_)),
+      declared_(scene_->scene.setting.stepPeriod),
+      h_(declared_),
+      stepTicks_(static_cast<std::uint32_t>(std::max(1.0, std::round(declared_ / kServoPeriod)))),
+      pace_(stepTicks_),
+      userShare_(scene_->scene.setting.couplingShare),
+      share_(userShare_),
       response_(responseOf(scene_->scene.setting)),
-      body_(scene_->instrument.massProperties, toolSettings(*scene_, gains)),
-      finder_(*scene_->tree, *scene_->shell, scene_->scene.setting.query),
-      contacts_(scene_->scene.setting.contactCapacity),
+      body_(scene_->instrument.massProperties, toolSettings(*scene_, softened(gains, share_))),
+      bodies_(looseBodies(*scene_)),
+      X_WB_(bodies_.size(), Eigen::Isometry3d::Identity()),
+      gathering_(scene_),
+      resolver_(bodies_.size() + 1),
+      moving_(bodies_.size() + 1),
+      answered_(bodies_.size() + 1),
       byDepth_(scene_->scene.setting.contactCapacity) {}
 
 void Simulation::apply(const Command& command) noexcept {
@@ -72,34 +95,57 @@ void Simulation::apply(const Command& command) noexcept {
       response_.friction = command.value != 0.0;
       break;
     case Command::Kind::SetCoupling:
+      userShare_ = command.value >= kLeastShare ? std::min(command.value, 1.0) : kLeastShare;
       break;
   }
   ++record_.commandCount;
 }
 
+/// How long this step is: from the last sample to this one. Only numbers of samples decide, so that
+/// a replay has the same steps.
+void Simulation::keepPace(const DeviceSample& sample_W) noexcept {
+  const bool next = record_.step > 1 && sample_W.index > sample_.index;
+  const double apart = next ? static_cast<double>(sample_W.index - sample_.index) : stepTicks_;
+  const double ticks = std::clamp(apart, static_cast<double>(stepTicks_),
+                                  std::max(kSlowestPace, static_cast<double>(stepTicks_)));
+  h_ = ticks == stepTicks_ ? declared_ : ticks * kServoPeriod;
+  pace_ = std::max(ticks, pace_ - kSlowestPace * ticks / kForget);
+  softenCoupling();
+}
+
+/// Towards what the pace allows: down within a few ticks, up within a second.
+void Simulation::softenCoupling() noexcept {
+  const double allowed = stiffestFor(pace_ * kServoPeriod) / gains_.stiffness;
+  const double wanted = pace_ > stepTicks_ ? std::min(userShare_, allowed) : userShare_;
+  if (wanted == share_) return;
+  const double ticks = h_ / kServoPeriod;
+  share_ = wanted < share_ ? std::max(wanted, share_ - ticks / kGiveWay)
+                           : std::min(wanted, share_ + ticks / kForget);
+  body_.setCoupling(toolCoupling(coupling()));
+}
+
 void Simulation::findContacts() noexcept {
-  const QueryResult found = finder_.find(X_VW_ * body_.X_WT(), contacts_);
-  contactCount_ = std::min(found.contactCount, contacts_.size());
-  contactsCut_ =
-      found.status == QueryStatus::OutputFull || found.status == QueryStatus::BudgetSpent;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) X_WB_[i] = bodies_[i].X_WB();
+  gathering_.gather(body_.X_WT(), X_WB_);
   record_.depth = 0.0;
-  const Eigen::Matrix3d R_WV = X_WV_.linear();
-  const Eigen::Vector3d p_WV = X_WV_.translation();
-  for (std::size_t c = 0; c < contactCount_; ++c) {
-    Contact& contact = contacts_[c];
-    const Eigen::Vector3d p = R_WV * Eigen::Map<const Eigen::Vector3d>(contact.p) + p_WV;
-    const Eigen::Vector3d n = R_WV * Eigen::Map<const Eigen::Vector3d>(contact.n);
-    copy(p, contact.p);
-    copy(n, contact.n);
+  for (const Contact& contact : contacts_W())
     record_.depth = std::max(record_.depth, contact.depth);
-  }
-  record_.contacts = static_cast<std::uint32_t>(contactCount_);
+  record_.contacts = static_cast<std::uint32_t>(contacts_W().size());
+}
+
+void Simulation::resolveContacts() noexcept {
+  moving_[0] = body_.contactBody();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) moving_[i + 1] = bodies_[i].contactBody();
+  effort_ = resolver_.resolve(moving_, gathering_.sets(), response_, h_, answered_);
+  body_.take(answered_[0], !contacts_W().empty(), h_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].take(answered_[i + 1], h_);
 }
 
 const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
   const auto start = std::chrono::steady_clock::now();
-  sample_ = sample_W;
   ++record_.step;
+  keepPace(sample_W);
+  sample_ = sample_W;
   record_.deviceSample = sample_W.index;
   if (resetWanted_) resetWanted_ = !body_.reset(sample_W.pose);
   ToolTarget target;
@@ -107,9 +153,11 @@ const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
   std::memcpy(target.v, sample_W.v, sizeof(target.v));
   std::memcpy(target.w, sample_W.w, sizeof(target.w));
   body_.applyCoupling(target, h_);
+  for (LooseBody& body : bodies_) body.accelerate(h_);
   findContacts();
-  (void)body_.resolve(resolver_, contacts_W(), surfaces_, response_, h_);
+  resolveContacts();
   body_.advance(h_);
+  for (LooseBody& body : bodies_) body.advance(h_);
   publish(sample_W);
   chainHash();
   const auto spent = std::chrono::steady_clock::now() - start;
@@ -125,19 +173,15 @@ void Simulation::publish(const DeviceSample& sample_W) noexcept {
   copy(wrench.head<3>(), record_.contact.force);
   copy(wrench.tail<3>(), record_.contact.torque);
 
-  const Wrench before = tool_.coupling;
-  const bool first = tool_.step == 0;
   tool_.step = record_.step;
   tool_.deviceSample = sample_W.index;
-  tool_.dueTick = sample_W.index + stepTicks_;
+  tool_.paceTicks = static_cast<std::uint32_t>(std::ceil(pace_));
+  tool_.dueTick = sample_W.index + static_cast<std::uint64_t>(std::lround(h_ / kServoPeriod));
+  tool_.stiffnessShare = share_;
   tool_.pose = record_.tool;
   std::memcpy(tool_.v, record_.v, sizeof(tool_.v));
   std::memcpy(tool_.w, record_.w, sizeof(tool_.w));
-  tool_.coupling = couplingWrench(gains_, tool_.pose, tool_.v, tool_.w, sample_W);
-  for (std::size_t axis = 0; axis < 3 && !first; ++axis) {
-    tool_.couplingRate.force[axis] = (tool_.coupling.force[axis] - before.force[axis]) / h_;
-    tool_.couplingRate.torque[axis] = (tool_.coupling.torque[axis] - before.torque[axis]) / h_;
-  }
+  tool_.coupling = couplingWrench(coupling(), tool_.pose, tool_.v, tool_.w, sample_W);
   tool_.contacts = record_.contacts;
   tool_.depth = record_.depth;
 }
@@ -156,31 +200,50 @@ void Simulation::chainHash() noexcept {
   row.add(record_.contacts);
   row.add(record_.depth);
   record_.stateHash = row.hash(record_.stateHash);
+  for (const LooseBody& body : bodies_) {
+    BitRow<16> moved;
+    const PlainPose pose = body.pose();
+    moved.add(pose.p);
+    moved.add(pose.q);
+    for (int axis = 0; axis < 3; ++axis) moved.add(body.body().velocity()[axis]);
+    for (int axis = 0; axis < 3; ++axis) moved.add(body.body().angularMomentum()[axis]);
+    record_.stateHash = moved.hash(record_.stateHash);
+  }
 }
 
 void Simulation::fill(Snapshot& snapshot) noexcept {
   snapshot.step = record_.step;
   snapshot.tick = sample_.index;
-  snapshot.t = static_cast<double>(record_.step) * h_;
+  snapshot.t = sample_.t + declared_;
   snapshot.tool = record_.tool;
   snapshot.device = sample_.pose;
   snapshot.contact = record_.contact;
   snapshot.contacts = record_.contacts;
   snapshot.depth = record_.depth;
-  snapshot.coupling = gains_;
+  snapshot.coupling = coupling();
   snapshot.stepPeriod = h_;
-  const std::size_t drawn = std::min(contactCount_, Snapshot::kContactsDrawn);
+  const std::size_t bodies = std::min(bodies_.size(), Snapshot::kBodiesDrawn);
+  snapshot.bodies = static_cast<std::uint32_t>(bodies);
+  for (std::size_t i = 0; i < bodies; ++i) snapshot.body[i] = bodies_[i].pose();
+  fillContacts(snapshot);
+}
+
+/// All, or the deepest where they are many.
+void Simulation::fillContacts(Snapshot& snapshot) noexcept {
+  const std::span<const Contact> contacts = contacts_W();
+  const std::size_t drawn = std::min(contacts.size(), Snapshot::kContactsDrawn);
   snapshot.contactsDrawn = static_cast<std::uint32_t>(drawn);
-  if (drawn == contactCount_) {
-    std::copy_n(contacts_.begin(), drawn, snapshot.contact_W.begin());
+  if (drawn == contacts.size()) {
+    std::copy_n(contacts.begin(), drawn, snapshot.contact_W.begin());
     return;
   }
-  const auto end = byDepth_.begin() + static_cast<std::ptrdiff_t>(contactCount_);
+  const auto end = byDepth_.begin() + static_cast<std::ptrdiff_t>(contacts.size());
   std::iota(byDepth_.begin(), end, 0U);
-  std::nth_element(
-      byDepth_.begin(), byDepth_.begin() + static_cast<std::ptrdiff_t>(drawn), end,
-      [this](std::uint32_t a, std::uint32_t b) { return contacts_[a].depth > contacts_[b].depth; });
-  for (std::size_t c = 0; c < drawn; ++c) snapshot.contact_W[c] = contacts_[byDepth_[c]];
+  std::nth_element(byDepth_.begin(), byDepth_.begin() + static_cast<std::ptrdiff_t>(drawn), end,
+                   [contacts](std::uint32_t a, std::uint32_t b) {
+                     return contacts[a].depth > contacts[b].depth;
+                   });
+  for (std::size_t c = 0; c < drawn; ++c) snapshot.contact_W[c] = contacts[byDepth_[c]];
 }
 
 }  // namespace palpate

@@ -1,18 +1,21 @@
 #pragma once
 /// One simulation step: the newest device sample in, the tool's state out.
 ///
-/// coupling -> contacts -> response -> pose. Called by the runner's thread, by the virtual clock,
-/// or by a replay; equal samples and commands give equal bits. World axes, SI.
+/// coupling -> contacts -> response -> poses. The step lasts as long as the devices' samples lie
+/// apart, so that the tool keeps the pace of the hand where the machine does not keep its own; the
+/// coupling is softened for long steps (recommendedGains). Called by the runner's thread, by the
+/// virtual clock, or by a replay; equal samples and commands give equal bits. World axes, SI.
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "core/collision/contact_finder.h"
+#include "core/dynamics/loose_body.h"
 #include "core/dynamics/tool_body.h"
 #include "core/haptics/messages.h"
 #include "core/haptics/virtual_coupling.h"
+#include "core/simulation/contact_gathering.h"
 #include "core/simulation/prepared_scene.h"
 #include "core/simulation/runner.h"
 #include "core/simulation/snapshot.h"
@@ -33,38 +36,54 @@ class Simulation {
   [[nodiscard]] const StepRecord& record() const noexcept { return record_; }
   /// For the servo: of the last step.
   [[nodiscard]] const ToolState& tool() const noexcept { return tool_; }
-  /// All contacts of the last step, p and n in W, by ascending shellIndex.
-  [[nodiscard]] std::span<const Contact> contacts_W() const noexcept {
-    return {contacts_.data(), contactCount_};
-  }
+  /// The tool's contacts of the last step, p and n in W, by touched body and ascending shellIndex.
+  [[nodiscard]] std::span<const Contact> contacts_W() const noexcept { return gathering_.ofTool(); }
   /// Contacts were left out or cut: capacity or budget reached in the last step.
-  [[nodiscard]] bool contactsCut() const noexcept { return contactsCut_; }
+  [[nodiscard]] bool contactsCut() const noexcept { return gathering_.cut(); }
+  /// The scene's loose bodies, in its order.
+  [[nodiscard]] std::span<const LooseBody> bodies() const noexcept { return bodies_; }
+  /// Contacts of bodies with the anatomy and each other in the last step.
+  [[nodiscard]] std::size_t contactsBetweenBodies() const noexcept {
+    return gathering_.betweenBodies();
+  }
+  /// What the last step's response took.
+  [[nodiscard]] const ResponseEffort& effort() const noexcept { return effort_; }
+  /// The coupling in force.
+  [[nodiscard]] CouplingGains coupling() const noexcept { return softened(gains_, share_); }
   /// Fills what the simulation knows: step, time, poses, contacts (the deepest, where they are
   /// many). Real-time safe.
   void fill(Snapshot& snapshot) noexcept;
   [[nodiscard]] std::uint32_t stepTicks() const noexcept { return stepTicks_; }
   /// The buffers a step touches most, to be locked in memory.
-  [[nodiscard]] std::span<const Contact> contactMemory() const noexcept { return contacts_; }
+  [[nodiscard]] std::span<const Contact> contactMemory() const noexcept {
+    return gathering_.memory();
+  }
 
  private:
+  void keepPace(const DeviceSample& sample_W) noexcept;
+  void softenCoupling() noexcept;
   void findContacts() noexcept;
+  void resolveContacts() noexcept;
   void publish(const DeviceSample& sample_W) noexcept;
   void chainHash() noexcept;
+  void fillContacts(Snapshot& snapshot) noexcept;
 
   std::shared_ptr<const PreparedScene> scene_;
   CouplingGains gains_;
-  Eigen::Isometry3d X_WV_, X_VW_;
-  double h_;
+  double declared_, h_;  ///< s: a step as the scene has it, and the present one.
   std::uint32_t stepTicks_;
-  SurfaceTable surfaces_;
+  double pace_;               ///< Servo ticks a step takes lately; rises at once, falls slowly.
+  double userShare_, share_;  ///< Of the coupling's stiffness: wanted, and in force.
   ResponseSettings response_;
   ToolBody body_;
-  ContactFinder finder_;
+  std::vector<LooseBody> bodies_;
+  std::vector<Eigen::Isometry3d> X_WB_;
+  ContactGathering gathering_;
   ContactResolver resolver_;
-  std::vector<Contact> contacts_;
+  std::vector<ContactBody> moving_;  ///< The tool, then the bodies.
+  std::vector<BodyResponse> answered_;
+  ResponseEffort effort_;
   std::vector<std::uint32_t> byDepth_;
-  std::size_t contactCount_ = 0;
-  bool contactsCut_ = false;
   bool resetWanted_ = true;
   DeviceSample sample_;
   StepRecord record_;
