@@ -29,7 +29,7 @@ struct SimulateOptions {
   fs::path caseOrScene;
   bool headless = false, explain = false;
   std::string device, instrument, clock = "virtual";
-  fs::path hand, record, samples;
+  fs::path hand, record, samples, steps, bodies;
   double seconds = kDefaultSeconds;
   std::uint64_t seed = 1;
 };
@@ -192,19 +192,52 @@ void explainPlan(const std::vector<PlanRow>& plan, CommandOutput& output) {
   output.text = table.text() + "\n" + output.text;
 }
 
-std::size_t sampleCapacity(const SimulateOptions& options) {
-  if (options.samples.empty()) return 0;
-  return static_cast<std::size_t>((options.seconds + 1.0) * kTicksPerSecond);
+/// Rows of a file that was asked for: `each` a tick.
+std::size_t capacityOf(const fs::path& file, const SimulateOptions& options, std::size_t each = 1) {
+  if (file.empty()) return 0;
+  return each * static_cast<std::size_t>((options.seconds + 1.0) * kTicksPerSecond);
 }
 
-std::vector<std::string> warningsOf(const RunReport& report, std::size_t samplesDropped) {
+/// The CSV files of a run: taken down while it goes, written when it has ended.
+struct RunTables {
+  RunTables(const SimulateOptions& options, const PreparedScene& scene)
+      : files{options.samples, options.steps, options.bodies},
+        samples(capacityOf(options.samples, options)),
+        steps(capacityOf(options.steps, options)),
+        bodies(capacityOf(options.bodies, options, scene.bodies.size())) {}
+
+  void addTo(TeeSink& tee) {
+    if (!files[0].empty()) tee.add(samples);
+    if (!files[1].empty()) tee.add(steps);
+    if (!files[2].empty()) tee.add(bodies);
+  }
+  [[nodiscard]] Result<void> write() const {
+    const std::string texts[] = {samples.csv(), steps.csv(), bodies.csv()};
+    for (std::size_t i = 0; i < std::size(files); ++i) {
+      if (files[i].empty()) continue;
+      if (auto written = writeWholeFile(files[i], texts[i]); !written) return written;
+    }
+    return {};
+  }
+  [[nodiscard]] std::size_t dropped() const {
+    return samples.dropped() + steps.dropped() + bodies.dropped();
+  }
+
+  fs::path files[3];
+  SampleSink samples;
+  StepSink steps;
+  BodySink bodies;
+};
+
+std::vector<std::string> warningsOf(const RunReport& report, std::size_t rowsDropped) {
   std::vector<std::string> warnings;
   if (report.recorderDrops > 0) {
     warnings.push_back("The recorder dropped " + std::to_string(report.recorderDrops) +
                        " entries: the session is inexact from the first on.");
   }
-  if (samplesDropped > 0) {
-    warnings.push_back(std::to_string(samplesDropped) + " samples found no room in --samples.");
+  if (rowsDropped > 0) {
+    warnings.push_back(std::to_string(rowsDropped) +
+                       " rows found no room in --samples, --steps or --bodies.");
   }
   if (report.clock == Clock::Real && !report.realTimePriority && !report.realTimeNote.empty()) {
     warnings.push_back(report.realTimeNote);
@@ -213,7 +246,7 @@ std::vector<std::string> warningsOf(const RunReport& report, std::size_t samples
 }
 
 Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandContext& context) {
-  for (const fs::path& file : {options.samples, options.record}) {
+  for (const fs::path& file : {options.samples, options.steps, options.bodies, options.record}) {
     if (file.empty()) continue;
     if (const Result<void> writable = checkWritable(file); !writable) return fail(writable.error());
   }
@@ -230,10 +263,10 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   RunOptions run;
   run.clock = options.clock == "real" ? Clock::Real : Clock::Virtual;
   run.seed = options.seed;
-  SampleSink samples(sampleCapacity(options));
+  RunTables tables(options, **scene);
   PendingRecording recording;
   TeeSink tee;
-  if (!options.samples.empty()) tee.add(samples);
+  tables.addTo(tee);
   if (!options.record.empty()) {
     const Result<void> started = recording.start(options.record, **scene, (*device)->info(), run);
     if (!started) return fail(started.error());
@@ -251,10 +284,7 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   if (recording.recorder() != nullptr) report.recorderDrops = recording.recorder()->drops();
   runner->reset();
 
-  if (!options.samples.empty()) {
-    const Result<void> written = writeWholeFile(options.samples, samples.csv());
-    if (!written) return fail(written.error());
-  }
+  if (const Result<void> written = tables.write(); !written) return fail(written.error());
   if (const Result<void> finished = recording.finish(report); !finished) {
     return fail(finished.error());
   }
@@ -262,7 +292,7 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   output.json = reportJson(report, **scene);
   output.text = reportText(report);
   if (options.explain) explainPlan((*scene)->plan, output);
-  output.warnings = warningsOf(report, samples.dropped());
+  output.warnings = warningsOf(report, tables.dropped());
   return output;
 }
 
@@ -295,6 +325,8 @@ void addSimulateCommand(CommandSet& commands) {
   sub->add_option("--seed", options->seed, "Of the hand and the device")->capture_default_str();
   sub->add_option("--record", options->record, "Session file to write");
   sub->add_option("--samples", options->samples, "CSV to write, one row a servo tick");
+  sub->add_option("--steps", options->steps, "CSV to write, one row a simulation step");
+  sub->add_option("--bodies", options->bodies, "CSV to write, one row a step and loose body");
   sub->add_flag("--explain", options->explain, "What is modelled, what is not, and why");
 }
 

@@ -83,6 +83,7 @@ void ContactGathering::query(Pair& pair) noexcept {
   const std::size_t end = pair.body == 0 ? capacity_ : contacts_.size();
   const std::span<Contact> room(contacts_.data() + count_, end - count_);
   const QueryResult found = pair.finder.find(X_VB, room);
+  tests_ += found.tests;
   if (found.status == QueryStatus::OutputFull || found.status == QueryStatus::BudgetSpent) {
     cut_ = true;
   }
@@ -101,6 +102,7 @@ void ContactGathering::gather(const Eigen::Isometry3d& X_WT,
     sphere_W_[i] = {X_W_[i] * sphere_[i].centre, sphere_[i].radius};
   }
   toolCount_ = count_ = setCount_ = 0;
+  tests_ = 0;
   cut_ = false;
   for (Pair& pair : pairs_) {
     query(pair);

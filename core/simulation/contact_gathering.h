@@ -32,6 +32,8 @@ class ContactGathering {
   }
   /// The bodies' own.
   [[nodiscard]] std::size_t betweenBodies() const noexcept { return count_ - toolCount_; }
+  /// Sphere and leaf tests of the last gather().
+  [[nodiscard]] std::uint32_t tests() const noexcept { return tests_; }
   /// Contacts were left out or cut: capacity or budget reached.
   [[nodiscard]] bool cut() const noexcept { return cut_; }
   [[nodiscard]] std::span<const Contact> memory() const noexcept { return contacts_; }
@@ -59,6 +61,7 @@ class ContactGathering {
   std::vector<Contact> contacts_;
   std::vector<ContactSet> sets_;
   std::size_t toolCount_ = 0, count_ = 0, setCount_ = 0, capacity_ = 0;
+  std::uint32_t tests_ = 0;
   bool cut_ = false;
 };
 

@@ -78,6 +78,7 @@ class LoopRunner final : public Runner {
  private:
   void tickOnce() noexcept;  ///< servo thread
   void stepOnce() noexcept;  ///< simulation thread
+  [[nodiscard]] bool tellSink(const StepRecord& record) noexcept;
   void publishSnapshot() noexcept;
   void servoThread() noexcept;
   void stepThread() noexcept;
@@ -122,6 +123,12 @@ void LoopRunner::tickOnce() noexcept {
   }
 }
 
+bool LoopRunner::tellSink(const StepRecord& record) noexcept {
+  const bool taken = options_.sink->onStep(record);
+  if (simulation_.bodies().empty()) return taken;
+  return options_.sink->onBodies(record.step, simulation_.bodies()) && taken;
+}
+
 void LoopRunner::stepOnce() noexcept {
   Command command;
   while (commands_.tryPop(command)) {
@@ -134,7 +141,7 @@ void LoopRunner::stepOnce() noexcept {
   const StepRecord& record = simulation_.step(servo_.deviceSamples().value());
   servo_.publishTool(simulation_.tool());
   stepStats_.step(record);
-  if (options_.sink != nullptr && !options_.sink->onStep(record)) stepStats_.dropped();
+  if (options_.sink != nullptr && !tellSink(record)) stepStats_.dropped();
   if (stepStats_.windowEnded(kTicksPerSecond / simulation_.stepTicks())) {
     stepForReport_.publish(stepStats_.figures());
   }

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 
 #include "core/base/error.h"
 #include "core/base/latest_value.h"
 #include "core/base/progress.h"
+#include "core/dynamics/loose_body.h"
 #include "core/haptics/device.h"
 #include "core/haptics/servo_loop.h"
 #include "core/simulation/prepared_scene.h"
@@ -62,6 +64,13 @@ struct StepRecord {
   std::uint32_t contacts = 0;
   double depth = 0.0;
   double micros = 0.0;  ///< Compute time; not part of the hash.
+
+  // Neither in the hash nor in a session: they follow from the rest.
+  double h = 1e-3;         ///< s, that the step lasted.
+  double stiffness = 0.0;  ///< K_T in force, N/m.
+  std::uint32_t contactsBetweenBodies = 0;
+  std::uint32_t tests = 0;     ///< Sphere and leaf tests of all queries.
+  std::uint32_t impulses = 0;  ///< Of the response.
 };
 static_assert(std::is_trivially_copyable_v<StepRecord>);
 
@@ -74,6 +83,12 @@ class RunSink {
   virtual bool onTick(const ServoSample& sample) noexcept = 0;  ///< servo thread
   virtual bool onStep(const StepRecord& step) noexcept = 0;     ///< simulation thread
   virtual bool onCommand(std::uint64_t step, const Command& command) noexcept = 0;  ///< simulation
+  /// After onStep, where the scene has loose bodies. Simulation thread.
+  virtual bool onBodies(std::uint64_t step, std::span<const LooseBody> bodies) noexcept {
+    (void)step;
+    (void)bodies;
+    return true;
+  }
 };
 
 struct RunOptions {

@@ -131,12 +131,15 @@ void Simulation::findContacts() noexcept {
   for (const Contact& contact : contacts_W())
     record_.depth = std::max(record_.depth, contact.depth);
   record_.contacts = static_cast<std::uint32_t>(contacts_W().size());
+  record_.contactsBetweenBodies = static_cast<std::uint32_t>(gathering_.betweenBodies());
+  record_.tests = gathering_.tests();
 }
 
 void Simulation::resolveContacts() noexcept {
   moving_[0] = body_.contactBody();
   for (std::size_t i = 0; i < bodies_.size(); ++i) moving_[i + 1] = bodies_[i].contactBody();
   effort_ = resolver_.resolve(moving_, gathering_.sets(), response_, h_, answered_);
+  record_.impulses = effort_.iterations;
   body_.take(answered_[0], !contacts_W().empty(), h_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].take(answered_[i + 1], h_);
 }
@@ -166,6 +169,8 @@ const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
 }
 
 void Simulation::publish(const DeviceSample& sample_W) noexcept {
+  record_.h = h_;
+  record_.stiffness = coupling().stiffness;
   record_.tool = body_.pose();
   copy(body_.originVelocity(), record_.v);
   copy(body_.angularVelocity(), record_.w);

@@ -42,10 +42,6 @@ class Simulation {
   [[nodiscard]] bool contactsCut() const noexcept { return gathering_.cut(); }
   /// The scene's loose bodies, in its order.
   [[nodiscard]] std::span<const LooseBody> bodies() const noexcept { return bodies_; }
-  /// Contacts of bodies with the anatomy and each other in the last step.
-  [[nodiscard]] std::size_t contactsBetweenBodies() const noexcept {
-    return gathering_.betweenBodies();
-  }
   /// What the last step's response took.
   [[nodiscard]] const ResponseEffort& effort() const noexcept { return effort_; }
   /// The coupling in force.

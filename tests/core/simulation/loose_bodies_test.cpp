@@ -215,7 +215,7 @@ TEST(LooseBodies, FragmentsFallIntoABasinAndComeToRestOnEachOther) {
     ASSERT_LE(now, energy + 3 * 0.41e-3 * 9.81 * 1e-4) << i;
     ASSERT_LE(now, start) << i;
     energy = now;
-    touching = std::max(touching, simulation.contactsBetweenBodies());
+    touching = std::max<std::size_t>(touching, simulation.record().contactsBetweenBodies);
     if (i % 50 == 0 && i > 0) deepest = std::max(deepest, deepestOf(**scene, simulation));
   }
   EXPECT_GT(touching, 3u);
