@@ -12,7 +12,7 @@
 #include "core/session/recorder.h"
 #include "core/session/replay.h"
 #include "tests/core/scene/temporary_folder.h"
-#include "tests/core/simulation/synthetic_scene.h"
+#include "tests/core/simulation/fragment_scene.h"
 
 namespace palpate {
 namespace {
@@ -99,6 +99,32 @@ TEST_F(Session, VirtualRecordingReplaysToTheBit) {
   EXPECT_EQ(report->forceErrorMax, 0.0);
   EXPECT_EQ(report->depthErrorMax, 0.0);
   EXPECT_EQ(folder.files(), 1U);  // one file, nothing beside it
+}
+
+TEST_F(Session, LooseBodiesReplayToTheBit) {
+  const auto grid = basin({{-3, -3, 0}, {-2, -4, 8}}, 6);
+  const Eigen::Vector3d down = grid->geometry.X_PV.linear() * Eigen::Vector3d(0, 0, -9.81);
+  auto materials = datasetMaterials();
+  materials[0].with[0].friction = 0.61;  // not the program's own: the session brings its pairs
+  Instrument instrument = datasetInstrument();
+  instrument.material = "metal";
+  const auto scene =
+      prepareScene(sceneWithFragments(down), grid, tableOfTwo(), materials, instrument);
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  const Recorded recorded = record(file, *scene, {}, 2.0);
+  const auto again = prepareSession(file);
+  ASSERT_TRUE(again) << sentence(again.error());
+  EXPECT_EQ((*again)->bodies.size(), 2U);
+  EXPECT_EQ((*again)->bodies[0].surface[kBone].friction, 0.61);
+  EXPECT_EQ((*again)->instrument.material, "metal");
+  EXPECT_EQ((*again)->fingerprint, (*scene)->fingerprint);
+  std::uint32_t bodies = 0;
+  const auto report =
+      replaySession(file, *again, {}, [&](const Snapshot& s) { bodies = s.bodies; });
+  ASSERT_TRUE(report) << sentence(report.error());
+  EXPECT_TRUE(report->identical);
+  EXPECT_EQ(report->steps, recorded.report.steps);
+  EXPECT_EQ(bodies, 2U);
 }
 
 TEST_F(Session, HeaderTellsWhatWasRecorded) {
@@ -328,7 +354,7 @@ TEST_F(Session, AFullDiskIsSaidAndLeavesNothing) {
     if (!recorder) ::_exit(2);
     options.sink = recorder->get();
     auto runner = makeRunner(scene, options);
-    if (!runner->runVirtual(10.0, {})) ::_exit(3);
+    if (!runner->runVirtual(40.0, {})) ::_exit(3);  // several commits, however quick
     const auto finished = (*recorder)->finish(runner->report());
     if (finished || finished.error().kind != ErrorKind::Machine) ::_exit(4);
     if (finished.error().file != file.string()) ::_exit(5);

@@ -10,7 +10,7 @@
 #include <new>
 
 #include "core/simulation/simulation.h"
-#include "tests/core/simulation/synthetic_scene.h"
+#include "tests/core/simulation/fragment_scene.h"
 
 namespace {
 thread_local bool watching = false;
@@ -161,6 +161,28 @@ TEST(RealTimeGuard, TenThousandStepsPressedDeepNeitherAllocateNorLock) {
     EXPECT_EQ(locks, 0);
     EXPECT_GT(contacts, static_cast<std::uint64_t>(steps));
   }
+}
+
+TEST(RealTimeGuard, LooseBodiesInAHeapAndStepsOfEveryLengthNeitherAllocateNorLock) {
+  const auto grid = basin({{-3, -3, 0}, {-2, -4, 8}, {-5, -2, 16}}, 6);
+  const Eigen::Vector3d down = grid->geometry.X_PV.linear() * Eigen::Vector3d(0, 0, -9.81);
+  const auto scene = prepare(sceneWithFragments(down), grid);
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  Simulation simulation(*scene, CouplingGains{});
+  auto snapshot = std::make_unique<Snapshot>();
+  DeviceSample sample = farAway(**scene, 0);
+  std::uint64_t touching = 0;
+  {
+    const Watch watch;
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+      sample.index += 1 + i / 300;
+      touching += simulation.step(sample).contactsBetweenBodies;
+      simulation.fill(*snapshot);
+    }
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_EQ(locks, 0);
+  EXPECT_GT(touching, 1000U);
 }
 
 }  // namespace
