@@ -68,6 +68,14 @@ def tool():
     return parts + sweep((0.0, 0.0, -1.0), (8.0, 0.0, 26.0), 3.0, 4.0, sag=(-7.0, 0.0, 0.0))
 
 
+def moved(parts, rotation, shift):
+    """The parts turned about the origin, then shifted. Balls only: others would lose their axes."""
+    assert all(len(set(part.radii)) == 1 for part in parts)
+    return [Ellipsoid(tuple(sum(r * c for r, c in zip(row, part.centre)) + t
+                            for row, t in zip(rotation, shift)), part.radii, part.solid)
+            for part in parts]
+
+
 def uniform_direction(generator):
     """Uniform on the unit sphere: height and longitude are independent and uniform (Archimedes)."""
     z = generator.uniform(-1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Runs `palpate collide` and reads what it writes."""
+"""Runs palpate, and reads what `palpate collide` writes."""
 
 import csv
 import json
@@ -65,7 +65,7 @@ class Palpate:
                    "--leaf", self.leaf, *arguments, "--repeats", str(repeats), "--json"]
         if with_contacts:
             command += ["--contacts", contacts.name]
-        report = self._run(command)
+        report = self.command(command, "surface_voxels")
         return Run(read_out(out, self._count_poses(poses)), report, ["palpate", *command],
                    contacts.read_bytes() if with_contacts else b"")
 
@@ -73,7 +73,8 @@ class Palpate:
         with open(self.folder / poses, encoding="ascii") as lines:
             return sum(1 for _ in lines) - 1
 
-    def _run(self, command):
+    def command(self, command, field):
+        """Runs any command; its JSON report, which must have `field`. Raises RunFailed."""
         shown = "palpate " + " ".join(command)
         try:
             done = subprocess.run([str(self.program.resolve()), *command], cwd=self.folder,
@@ -91,7 +92,7 @@ class Palpate:
             report = json.loads(done.stdout)
         except json.JSONDecodeError:
             report = None
-        if not isinstance(report, dict) or "surface_voxels" not in report:
+        if not isinstance(report, dict) or field not in report:
             raise RunFailed(f"'{shown}' printed no report in JSON: {done.stdout[:200]!r}")
         return report
 

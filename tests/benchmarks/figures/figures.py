@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws Figures 3, 5 and 6 of the paper again, from the output of `palpate collide`.
+"""Draws Figures 3 to 6 of the paper again, from `palpate collide` and `palpate simulate`.
 
   figures.py --out DIR               full size, minutes
   figures.py --out DIR --quick       small bodies, seconds; what CTest runs
@@ -7,8 +7,8 @@
 
 For each figure DIR receives a CSV (one row a step and curve) and an SVG, and runs.json says what
 was run and on what. Standard output is Markdown: the tables for README.md. Progress and complaints
-go to standard error. In every figure brute force over every point is the oracle: each method and
-option has to find the same contacts at each step.
+go to standard error. In Figures 3, 5 and 6 brute force over every point is the oracle: each method
+and option has to find the same contacts at each step.
 
 Exit: 0 done; 1 two methods found different contacts; 2 usage; 4 palpate is missing or failed, or a
 file could not be written; 5 cancelled. Needs Python 3.9 and nothing else.
@@ -31,6 +31,7 @@ sys.dont_write_bytecode = True  # the source folder stays as it is
 import bodies  # noqa: E402
 import chart  # noqa: E402
 from collide import Palpate, RunFailed, write_poses  # noqa: E402
+from simulate import BONE, TOOL, Simulator  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 HAPTIC_STEP_US = 1000.0  # the paper's "typical haptic simulation timestep"
@@ -67,12 +68,18 @@ class Size:
     trajectories: int  # Figure 6
     speed_mm: float  # a step, Figure 6
     repeats: int
+    scenes: tuple  # voxels a side of the scene of Figure 4
+    seconds: float  # of it
 
 
-FULL = Size((16, 32, 64, 128, 256), 128, 128, 161, 64, 0.5, 25)
-QUICK = Size((16, 64), 64, 64, 33, 6, 2.0, 1)
+FULL = Size((16, 32, 64, 128, 256), 128, 128, 161, 64, 0.5, 25,
+            (32, 64, 128, 256), 1.2)
+QUICK = Size((16, 64), 64, 64, 33, 6, 2.0, 1, (32, 64), 0.8)
 
 START_MM, END_MM = 52.0, 16.0  # of the approach: centres apart; they first touch at about 30
+# Figure 4: a cube that holds both bodies, and how the tool comes: the pull of 5 m/s^2 that makes this
+# speed against the drag goes on pressing it against the bone.
+SCENE_SIDE_MM, SPEED_MM_S, DRAG_PER_S = 192.0, 50.0, 100.0
 # Figure 6. The bodies' farthest points are 52 and 32 mm from their centres, so that at the start
 # they are apart in every direction.
 RANDOM_START_MM, RANDOM_DEPTH_MM = 90.0, 10.0
@@ -256,6 +263,80 @@ def figure_3(bench, out, note, both):
     print(table(["bone", "its surface voxels", "tool's points", "method", "most contacts",
                  "time at about 1,000 contacts (µs)", "tests there", "longest step (µs)",
                  "most contacts in under 1 ms"], summary))
+
+
+def scene_volume(bench, n):
+    """Bone and tool in one cube, the tool where Figure 3's approach begins."""
+    name = f"scene_{n}.nrrd"
+    say(f"making {name}")
+    labels = bodies.paint(bodies.bone(), SCENE_SIDE_MM, n)
+    length = math.hypot(*APPROACH_FROM)
+    place = [START_MM * a / length for a in APPROACH_FROM]
+    tool = bodies.paint(bodies.moved(bodies.tool(), ROTATION, place), SCENE_SIDE_MM, n)
+    for at, solid in enumerate(tool):
+        if solid:
+            labels[at] = TOOL
+    assert BONE == 1
+    bodies.write_nrrd(bench.palpate.folder / name, labels, SCENE_SIDE_MM, n)
+    return name
+
+
+def figure_4(bench, out, note):
+    """Resolution, with collision response: the tool comes, is stopped and settles."""
+    size = bench.size
+    simulator = Simulator(bench.palpate, bench.palpate.leaf)
+    length = math.hypot(*APPROACH_FROM)
+    towards = [-a / length for a in APPROACH_FROM]
+    found, rows, summary = {}, [], []
+    for n in size.scenes:
+        case = simulator.case(f"case_{n}", scene_volume(bench, n))
+        say(f"figure 4: both bodies in {n}^3, with response")
+        steps, report, command = simulator.run(case, towards, SPEED_MM_S, DRAG_PER_S, size.seconds)
+        bench.runs.append({"figure": "4", "command": command, "report": report})
+        found[n] = steps
+        rows += [(n, s.step, f"{s.distance_mm:.4f}", s.contacts, s.tests, s.impulses, s.time_us)
+                 for s in steps]
+        touching = [s for s in steps if s.contacts > 0]
+        if not touching:
+            raise RunFailed(f"The tool never met the bone at {n}^3.")
+        rest = steps[-len(steps) // 10:]
+        summary.append((f"{n}³", f"{SCENE_SIDE_MM / n:.2f}", f"{max(s.contacts for s in steps):,}",
+                        micro(median([s.contacts for s in rest])),
+                        f"{rest[-1].distance_mm:.2f}",
+                        f"{max(s.distance_mm for s in rest) - min(s.distance_mm for s in rest):.3f}",
+                        micro(median([s.time_us for s in touching])),
+                        micro(quantile([s.time_us for s in touching], 0.99)),
+                        micro(max(s.time_us for s in touching)),
+                        micro(median([s.tests for s in touching]))))
+    write_csv(out / "figure4.csv",
+              ["scene_side", "step", "distance_mm", "contacts", "tests", "impulses", "time_us"], rows)
+
+    step = chart.Axis("step (1 ms)", 0, len(found[size.scenes[0]]) - 1)
+
+    def panel(title, axis, of, level=None):
+        curves = [chart.Curve([(s.step, of(s)) for s in found[n]], ORDERED[i])
+                  for i, n in enumerate(size.scenes)]
+        return chart.Panel(title, step, axis([of(s) for n in size.scenes for s in found[n]]),
+                           curves, level=level)
+
+    panels = [
+        panel("Distance of the centres", lambda v: chart.linear_axis("distance (mm)", v),
+              lambda s: s.distance_mm),
+        panel("Contacts", lambda v: chart.linear_axis("contacts", v), lambda s: s.contacts),
+        panel("Time per step", lambda v: chart.log_axis("time (µs)", v),
+              lambda s: max(0.1, s.time_us), level=(HAPTIC_STEP_US, "1 ms")),
+        panel("Tests per step", lambda v: chart.log_axis("sphere and leaf tests", v),
+              lambda s: max(1, s.tests))]
+    title = "Figure 4: an approach at several resolutions, with collision response"
+    (out / "figure4.svg").write_text(chart.svg(
+        title, [f"palpate simulate; bone and tool in a cube of {SCENE_SIDE_MM:.0f} mm; the tool, a "
+                f"loose body, comes at {SPEED_MM_S:.0f} mm/s and is pressed on. Whole steps, once.",
+                note], [chart.LegendEntry(f"both in {n}³", ORDERED[i])
+                        for i, n in enumerate(size.scenes)], panels), encoding="utf-8")
+    print(f"\n### {title}\n")
+    print(table(["scene", "voxel (mm)", "most contacts", "contacts at rest",
+                 "centres apart at rest (mm)", "motion in the last tenth (mm)",
+                 "step in contact p50 (µs)", "p99", "longest", "tests p50"], summary))
 
 
 # Spheres: tight_spheres, side_offset, colour, width: a later curve lies inside an earlier one, so
@@ -469,13 +550,14 @@ def commit():
 
 def parse(arguments):
     parser = argparse.ArgumentParser(
-        description="Draws Figures 3, 5 and 6 of the paper again, from `palpate collide`.")
+        description="Draws Figures 3 to 6 of the paper again, from palpate's output.")
     parser.add_argument("--palpate", type=pathlib.Path,
                         default=HERE.parents[2] / "build" / "release" / "app" / "palpate",
                         help="the program; default: the release build's")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for CSV and SVG")
     parser.add_argument("--quick", action="store_true", help="small bodies, few trajectories")
-    parser.add_argument("--only", choices=["3", "5", "6"], nargs="+", default=["3", "5", "6"],
+    parser.add_argument("--only", choices=["3", "4", "5", "6"], nargs="+",
+                        default=["3", "4", "5", "6"],
                         help="these figures")
     parser.add_argument("--leaf", choices=["voxel", "distance"], default="voxel",
                         help="leaf model; the paper's contacts are voxels")
@@ -505,6 +587,8 @@ def draw(options, folder):
     if "3" in options.only:
         figure_3(bench, options.out, note, both=False)
         figure_3(bench, options.out, note, both=True)
+    if "4" in options.only:
+        figure_4(bench, options.out, note)
     if "5" in options.only:
         figure_5(bench, options.out, note)
     if "6" in options.only:

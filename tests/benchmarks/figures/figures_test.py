@@ -22,6 +22,7 @@ PALPATE = pathlib.Path("palpate")  # replaced by --palpate
 CURVES = {
     "figure3": ("world_side", "tool_side", "method"),
     "figure3_both": ("world_side", "tool_side", "method"),
+    "figure4": ("scene_side",),
     "figure5": ("tree", "spheres", "one_child_skip"),
     "figure6": ("method", "trajectory"),
 }
@@ -71,7 +72,7 @@ class QuickRun(unittest.TestCase):
         self.assertEqual({p.name for p in self.out.iterdir()}, expected)
 
     def test_every_curve_has_one_row_a_step(self):
-        counts = {"figure3": 4, "figure3_both": 4, "figure5": 12, "figure6": 12}
+        counts = {"figure3": 4, "figure3_both": 4, "figure4": 2, "figure5": 12, "figure6": 12}
         for figure, count in counts.items():
             self.assertEqual(len(self.curves[figure]), count, figure)
             for key, curve in self.curves[figure].items():
@@ -102,6 +103,24 @@ class QuickRun(unittest.TestCase):
                 means = [sum(counts[i * quarter:(i + 1) * quarter]) / quarter for i in range(4)]
                 self.assertLess(means[1], means[2], (figure, key))
                 self.assertLess(means[2], means[3], (figure, key))
+
+    def test_the_response_stops_the_tool_and_it_settles(self):
+        for key, curve in self.curves["figure4"].items():
+            distances = [float(r["distance_mm"]) for r in curve]
+            counts = [int(r["contacts"]) for r in curve]
+            self.assertAlmostEqual(distances[0], 50.0, delta=4.0, msg=key)  # its centre of mass
+            self.assertEqual(counts[0], 0, key)
+            first = next(i for i, c in enumerate(counts) if c > 0)
+            # Free, it comes at 50 mm/s, less what the first 10 ms took to get there.
+            self.assertAlmostEqual(distances[0] - distances[first], 0.05 * (first - 10), delta=0.6,
+                                   msg=key)
+            # Without a response it would be 10 mm nearer by the end (Figure 3's approach).
+            free = distances[0] - 0.05 * (len(curve) - 10)
+            self.assertGreater(distances[-1], free + 5.0, key)
+            rest = distances[-len(distances) // 10:]
+            self.assertLess(max(rest) - min(rest), 1.5, key)
+            self.assertGreater(counts[-1], 0, key)
+            self.assertTrue(all(int(r["impulses"]) <= 400 for r in curve), key)
 
     def test_random_approaches_start_apart_and_end_in_contact(self):
         lengths = set()
@@ -155,7 +174,7 @@ class QuickRun(unittest.TestCase):
         return text.text, x - back, y - 0.8 * size, x - back + long, y + 0.2 * size
 
     def test_the_tables_are_markdown(self):
-        for figure in ("Figure 3", "Figure 5", "Figure 6"):
+        for figure in ("Figure 3", "Figure 4", "Figure 5", "Figure 6"):
             self.assertIn(f"### {figure}", self.run_.stdout)
         for block in re.findall(r"(?:^\|.*\n)+", self.run_.stdout, re.MULTILINE):
             self.assertEqual(len({line.count("|") for line in block.splitlines()}), 1, block)
