@@ -18,7 +18,8 @@ void PassivityObserver::observe(const DeviceSample& device) noexcept {
     const double dx[3] = {device.pose.p[0] - last_.p[0], device.pose.p[1] - last_.p[1],
                           device.pose.p[2] - last_.p[2]};
     const double da[3] = {turn.x(), turn.y(), turn.z()};
-    energy_ -= dot(sent_.force, dx) + dot(sent_.torque, da);
+    gained_ = -dot(sent_.force, dx) - dot(sent_.torque, da);
+    energy_ += gained_;
   }
   last_ = device.pose;
   started_ = true;
@@ -38,10 +39,16 @@ Wrench PassivityObserver::dissipate(const Wrench& wanted, const DeviceSample& de
 
 double PassivityObserver::passiveFraction(const Wrench& allowed, const DeviceSample& device,
                                           double period) const noexcept {
-  constexpr double kAllowance = 2e-7;  // J
+  // What may still go out once the reserve is spent: a share of what is left above the floor, so
+  // that many ticks in a row do not wear it away; and while the hand pushes against the force, a
+  // few times what the last tick earned.
+  constexpr double kFloor = -18e-6, kShare = 0.025, kLeast = 1e-10, kMost = 2e-7;  // J, 1, J, J
+  constexpr double kTrust = 4.0;
+  const double allowance =
+      std::max({kLeast, kShare * (energy_ - base_ - kFloor), std::min(kMost, kTrust * gained_)});
   const double work = period * (dot(allowed.force, device.v) + dot(allowed.torque, device.w)) +
                       kUnforeseenMove * std::sqrt(dot(allowed.force, allowed.force));
-  const double budget = std::max(kAllowance, energy_ - base_ + kPassivityReserve);
+  const double budget = std::max(allowance, energy_ - base_ + kPassivityReserve);
   return work <= budget ? 1.0 : budget / work;
 }
 

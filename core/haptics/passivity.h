@@ -27,8 +27,9 @@ class PassivityObserver {
                                  double maxDamping) noexcept;
   /// The fraction (0..1) of `allowed` that may be sent so that the coming period, at the device's
   /// velocity and an unforeseen move along the force, gives the hand no more than the balance and
-  /// the reserve hold. In ordinary touch 1: what pressing stored is far more. Never quite 0 (an
-  /// allowance of 0.2 µJ), or a spent balance could never be earned back.
+  /// the reserve hold. In ordinary touch 1: what pressing stored is far more. Never quite 0
+  /// (0.2 µJ where the reserve ends, less and less towards -18 µJ; up to 0.2 µJ while the hand
+  /// pushes against the force; else 0.1 nJ), or a spent balance could never be earned back.
   [[nodiscard]] double passiveFraction(const Wrench& allowed, const DeviceSample& device,
                                        double period) const noexcept;
   /// What left the program this tick.
@@ -43,6 +44,7 @@ class PassivityObserver {
  private:
   double energy_ = 0.0;
   double base_ = 0.0;
+  double gained_ = 0.0;  ///< In the last tick.
   Wrench sent_;
   PlainPose last_;
   bool started_ = false;

@@ -91,6 +91,23 @@ TEST(PassivityObserver, ASpentBalanceCanBeEarnedBack) {
   EXPECT_GT(o.energy(), 0.0);
 }
 
+// The worst that the prediction allows: the hand gives way by the unforeseen move in every tick, or
+// goes back and forth by it, for ten seconds. No number of small leaks adds up to the promise.
+TEST(PassivityObserver, ManyTicksOfGivingWayDoNotWearTheFloorAway) {
+  for (const int period : {1, 2, 5, 50}) {
+    PassivityObserver o;
+    double x = 0.0;
+    o.observe(at(x));
+    for (int i = 0; i < 10000; ++i) {
+      o.commit(force(3.0 * o.passiveFraction(force(3.0), at(x), 1e-3)));
+      const bool back = period > 1 && i / period % 2 == 1;
+      x += back ? -kUnforeseenMove : kUnforeseenMove;
+      o.observe(at(x));
+      ASSERT_GE(o.energy(), -20e-6) << "tick " << i << ", turning every " << period;
+    }
+  }
+}
+
 TEST(PassivityObserver, FailsBeyondItsReachAndStartsAnewWhenCleared) {
   PassivityObserver o;
   o.observe(at(0.0));
