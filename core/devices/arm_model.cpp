@@ -75,6 +75,8 @@ const std::vector<GripParameters>& handGrips() {
       {"soft", 0.14, 228.0, 0.87, 63.0, 3.7},
       {"stiff", 0.43, 1043.0, 0.01, 533.0, 13.1},
       {"light", 0.016, 679.0, 0.01, 214.0, 13.1},
+      // The handle's mass on 40 N/m and 23 N·s/m; bound to the arm as stiffly as the stiff grip.
+      {"joystick", 0.014, 1043.0, 1.84, 40.0, 23.0},
       {"none"},
   };
   return grips;

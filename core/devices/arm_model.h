@@ -34,7 +34,9 @@ struct ArmParameters {
   double rotationalRate = 25.0;     ///< rad/s: 4 Hz
 };
 
-/// Fu and Çavuşoğlu's sets. mass 0: nobody holds the arm.
+/// Fu and Çavuşoğlu's sets (and Kuchenbecker's grasp of a joystick, which has one spring and
+/// damper, between the handle and the ground that moves with the wish). mass 0: nobody holds the
+/// arm.
 struct GripParameters {
   std::string name;
   double mass = 0.0, k1 = 0.0, b1 = 0.0, k2 = 0.0, b2 = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestDelay = 32;  // ticks
 constexpr double kVelocityHz = 100.0;
+constexpr double kHot = 0.8;  // of the warmth that the continuous force ends in
 constexpr double kTremorLow = 8.0, kTremorHigh = 12.0;  // Hz
 constexpr int kTremorSines = 3;
 
@@ -69,6 +71,7 @@ class SimulatedPhantom final : public HapticDevice {
         tremor_(random_, options.tremor),
         encoderZero_(random_.uniform(-0.5, 0.5), random_.uniform(-0.5, 0.5),
                      random_.uniform(-0.5, 0.5)) {
+    if (options_.encoderStep > 0.0) arm_.encoderStep = options_.encoderStep;
     encoderZero_ *= arm_.encoderStep;
   }
 
@@ -80,8 +83,18 @@ class SimulatedPhantom final : public HapticDevice {
   }
   void close() noexcept override { write({}); }
 
+  DeviceCondition condition() override {
+    DeviceCondition now;
+    now.sentence = "Simulated: nothing is felt.";
+    const double warmth = std::min(1.0, warmth_.load(std::memory_order_relaxed));
+    now.motorTemperature.assign(3, warmth);
+    if (warmth >= kHot) now.sentence = "The simulated motors are hot: they give less force.";
+    return now;
+  }
+
   DeviceSample read(std::uint64_t tick) noexcept override {
-    const double t = static_cast<double>(tick) * options_.period;
+    const double late = lateness();
+    const double t = static_cast<double>(tick) * options_.period + late;
     const HandTarget wanted = hand_->target(t, sample_, acting_);
     const bool held = wanted.present && isRigid(wanted.pose_D);
     if (held) wanted_ = wanted;
@@ -91,12 +104,15 @@ class SimulatedPhantom final : public HapticDevice {
     if (!started_) {
       begin(x, q);
     } else {
-      acting_ = history_[std::min<std::size_t>(1 + options_.extraDelay, kLongestDelay - 1)];
-      saturate(acting_.force, arm_.info.peakForce);
-      saturate(acting_.torque, arm_.info.peakTorque);
-      model_.advance(options_.period, acting_, x, q, held);
+      const double passed = options_.period + late - late_;
+      drive(passed);
+      model_.advance(passed, acting_, x, q, held);
     }
-    measure(tick, t);
+    late_ = late;
+    const bool repeats = options_.dropouts > 0.0 && random_.uniform(0.0, 1.0) < options_.dropouts;
+    if (!repeats || sample_.index == 0) measure();
+    sample_.index = tick;
+    sample_.t = static_cast<double>(tick) * options_.period;
     return sample_;
   }
 
@@ -110,13 +126,59 @@ class SimulatedPhantom final : public HapticDevice {
   void begin(const Eigen::Vector3d& x, const Eigen::Quaterniond& q) noexcept {
     model_.reset(x, q);
     history_.fill({});
-    acting_ = {};
+    acting_ = amplifier_ = {};
     sample_ = {};
+    warmth_.store(0.0, std::memory_order_relaxed);
+    late_ = 0.0;
     lastX_ = encoders(model_.x());
     lastQ_ = encoders(model_.q());
     v_.setZero();
     w_.setZero();
     started_ = true;
+  }
+
+  /// Of this reading behind its tick, s.
+  [[nodiscard]] double lateness() noexcept {
+    if (options_.jitter <= 0.0) return 0.0;
+    double sum = -6.0;  // twelve uniform ones: near enough to a normal one
+    for (int i = 0; i < 12; ++i) sum += random_.uniform(0.0, 1.0);
+    return std::clamp(options_.jitter * sum, -0.45 * options_.period, 0.45 * options_.period);
+  }
+
+  /// What the motors give in the coming `passed` seconds.
+  void drive(double passed) noexcept {
+    Wrench wanted = history_[std::min<std::size_t>(1 + options_.extraDelay, kLongestDelay - 1)];
+    saturate(wanted.force, peakForce());
+    saturate(wanted.torque, arm_.info.peakTorque);
+    acting_ = options_.amplifierLag > 0.0 ? amplified(wanted, passed) : wanted;
+    if (options_.thermalTime <= 0.0) return;
+    const double load = norm(acting_.force) / arm_.info.continuousForce;
+    const double warmth = warmth_.load(std::memory_order_relaxed);
+    warmth_.store(warmth + passed / options_.thermalTime * (load * load - warmth),
+                  std::memory_order_relaxed);
+  }
+
+  /// The mean over the coming `passed` seconds of what a first-order amplifier gives.
+  [[nodiscard]] Wrench amplified(const Wrench& wanted, double passed) noexcept {
+    const double left = std::exp(-passed / options_.amplifierLag);
+    const double mean = options_.amplifierLag / passed * (1.0 - left);
+    Wrench out;
+    for (int i = 0; i < 3; ++i) {
+      const double force = amplifier_.force[i] - wanted.force[i];
+      const double torque = amplifier_.torque[i] - wanted.torque[i];
+      out.force[i] = wanted.force[i] + mean * force;
+      out.torque[i] = wanted.torque[i] + mean * torque;
+      amplifier_.force[i] = wanted.force[i] + left * force;
+      amplifier_.torque[i] = wanted.torque[i] + left * torque;
+    }
+    return out;
+  }
+
+  /// Full while the motors are cool; the continuous force once they are hot.
+  [[nodiscard]] double peakForce() const noexcept {
+    const double hot =
+        std::clamp((warmth_.load(std::memory_order_relaxed) - kHot) / (1.0 - kHot), 0.0, 1.0);
+    return arm_.info.peakForce + hot * (arm_.info.continuousForce - arm_.info.peakForce);
   }
 
   [[nodiscard]] Eigen::Vector3d encoders(const Eigen::Vector3d& x) const noexcept {
@@ -129,7 +191,7 @@ class SimulatedPhantom final : public HapticDevice {
     return expMap(step * (logMap(q) / step).array().round().matrix());
   }
 
-  void measure(std::uint64_t tick, double t) noexcept {
+  void measure() noexcept {
     const double a = 1.0 - std::exp(-2.0 * std::numbers::pi * kVelocityHz * options_.period);
     const Eigen::Vector3d x = encoders(model_.x());
     const Eigen::Quaterniond q = encoders(model_.q());
@@ -137,8 +199,6 @@ class SimulatedPhantom final : public HapticDevice {
     w_ += a * (logMap(q * lastQ_.conjugate()) / options_.period - w_);
     lastX_ = x;
     lastQ_ = q;
-    sample_.index = tick;
-    sample_.t = t;
     sample_.pose = plain(x, q);
     for (int i = 0; i < 3; ++i) {
       sample_.v[i] = v_[i];
@@ -155,10 +215,13 @@ class SimulatedPhantom final : public HapticDevice {
   Tremor tremor_;
   Eigen::Vector3d encoderZero_;
   std::array<Wrench, kLongestDelay> history_{};
-  Wrench acting_;
+  Wrench acting_;     ///< On the arm.
+  Wrench amplifier_;  ///< Where its lag has got to.
   HandTarget wanted_;
   DeviceSample sample_;
   bool started_ = false;
+  double late_ = 0.0;  ///< Of the last reading.
+  std::atomic<double> warmth_{0.0};
   Eigen::Vector3d lastX_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();
   Eigen::Quaterniond lastQ_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
@@ -209,6 +272,11 @@ Result<std::unique_ptr<HapticDevice>> makeSimulatedPhantom(const std::string& mo
                     .wants("one of " + listed(simulatedGrips())));
   }
   if (hand == nullptr) return fail(usageError("A simulated device needs a hand."));
+  const bool sensible = options.jitter >= 0.0 && options.dropouts >= 0.0 &&
+                        options.dropouts < 1.0 && options.amplifierLag >= 0.0 &&
+                        options.encoderStep >= 0.0;
+  if (!sensible)
+    return fail(usageError("A simulated device was given options that make no sense."));
   if (!(options.period > 0.0) || options.extraDelay > kLongestDelay - 2) {
     return fail(usageError("A simulated device needs a period above 0 and a delay of at most 30."));
   }

@@ -100,7 +100,7 @@ TEST(SimulatedPhantom, KnowsItsModelsAndRefusesOthersWithTheList) {
   const auto grip = makeSimulatedPhantom("touch", hand, 1, "iron");
   ASSERT_FALSE(grip);
   EXPECT_EQ(grip.error().expected,
-            "one of up-down, left-right, fore-aft, soft, stiff, light, none");
+            "one of up-down, left-right, fore-aft, soft, stiff, light, joystick, none");
   EXPECT_FALSE(makeSimulatedPhantom("touch", nullptr, 1));
 }
 
@@ -223,6 +223,90 @@ TEST(SimulatedPhantom, VelocityIsTheFilteredMotion) {
     (*device)->write({});
   }
   EXPECT_NEAR(mean, 0.05, 5e-4);
+}
+
+/// A device whose hand is not there, driven by a constant wrench; positions along x by tick.
+std::vector<double> driven(const SimulatedPhantomOptions& options, double newtons, int ticks,
+                           DeviceCondition* last = nullptr, double* felt = nullptr) {
+  auto hand = std::make_shared<StillHand>();
+  hand->wanted.present = false;
+  auto device = makeSimulatedPhantom("touch-x", hand, 9, "none", options);
+  EXPECT_TRUE(device);
+  EXPECT_TRUE((*device)->open());
+  std::vector<double> x;
+  for (int i = 0; i < ticks; ++i) {
+    const DeviceSample s = (*device)->read(static_cast<std::uint64_t>(i));
+    x.push_back(s.pose.p[0]);
+    Wrench w;
+    w.force[0] = newtons;
+    (*device)->write(w);
+    if (felt != nullptr) *felt = s.v[0];
+  }
+  if (last != nullptr) *last = (*device)->condition();
+  return x;
+}
+
+TEST(SimulatedPhantom, AnAmplifiersLagDelaysTheMotionByAboutItself) {
+  SimulatedPhantomOptions plain, lagging;
+  plain.tremor = lagging.tremor = 0.0;
+  lagging.amplifierLag = 2e-3;
+  const auto a = driven(plain, 1.0, 60), b = driven(lagging, 1.0, 60);
+  // Behind a first-order lag a ramp of force arrives late by the time constant: x(t) -> x(t - 2
+  // ms).
+  EXPECT_LT(b[59], a[59]);
+  EXPECT_NEAR(b[59], a[57], 0.2 * (a[58] - a[57]) + 2.3e-5);
+}
+
+TEST(SimulatedPhantom, DropoutsRepeatTheLastReadingAsOftenAsAsked) {
+  SimulatedPhantomOptions options;
+  options.dropouts = 0.2;
+  const auto x = driven(options, 2.0, 2000);
+  int repeated = 0, moving = 0;
+  for (std::size_t i = 100; i < 600; ++i) {  // fast by now: every true reading differs
+    ++moving;
+    repeated += x[i] == x[i - 1] ? 1 : 0;
+  }
+  EXPECT_NEAR(repeated, 0.2 * moving, 4 * std::sqrt(0.2 * 0.8 * moving));
+}
+
+TEST(SimulatedPhantom, JitterSpreadsTheReadingsOfAnEvenMotionAndDriftsNowhere) {
+  SimulatedPhantomOptions even, jittering;
+  jittering.jitter = 50e-6;
+  const auto a = driven(even, 2.0, 1000), b = driven(jittering, 2.0, 1000);
+  // How late or early each reading is, in periods, from how far it is from the even one.
+  double mean = 0.0, square = 0.0;
+  for (std::size_t i = 600; i < 1000; ++i) {
+    const double late = (b[i] - a[i]) / (a[i] - a[i - 1]);
+    mean += late / 400.0;
+    square += late * late / 400.0;
+  }
+  EXPECT_NEAR(mean, 0.0, 0.02);
+  EXPECT_NEAR(std::sqrt(square), 0.05, 0.01);
+}
+
+TEST(SimulatedPhantom, HotMotorsGiveTheContinuousForceAndSaySo) {
+  SimulatedPhantomOptions options;
+  options.thermalTime = 0.05;  // not a minute, for the test
+  DeviceCondition cold, hot;
+  double fast = 0.0, slow = 0.0;
+  (void)driven(options, 1.0, 2000, &cold);
+  (void)driven(options, 7.0, 2000, &hot, &slow);
+  options.thermalTime = 0.0;
+  (void)driven(options, 7.0, 2000, nullptr, &fast);
+  ASSERT_EQ(cold.motorTemperature.size(), 3u);
+  EXPECT_NEAR(cold.motorTemperature[0], 1.0 / (1.75 * 1.75), 0.01);  // (F / F_cont)²
+  EXPECT_GT(hot.motorTemperature[0], 0.8);
+  EXPECT_NE(hot.sentence, cold.sentence);
+  EXPECT_LT(slow, 0.5 * fast);
+}
+
+TEST(SimulatedPhantom, OptionsThatMakeNoSenseAreRefused) {
+  SimulatedPhantomOptions options;
+  options.dropouts = 1.0;
+  EXPECT_FALSE(makeSimulatedPhantom("touch", std::make_shared<StillHand>(), 1, "soft", options));
+  options.dropouts = 0.0;
+  options.jitter = std::nan("");
+  EXPECT_FALSE(makeSimulatedPhantom("touch", std::make_shared<StillHand>(), 1, "soft", options));
 }
 
 }  // namespace
