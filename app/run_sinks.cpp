@@ -58,12 +58,14 @@ bool StepSink::onStep(const StepRecord& step) noexcept {
 
 std::string StepSink::csv() const {
   std::string text =
-      "step,step_ms,contacts,body_contacts,depth_mm,tests,impulses,time_us,stiffness_N_per_m\n";
+      "step,step_ms,parts,contacts,body_contacts,depth_mm,tests,impulses,time_us,stiffness_N_per_"
+      "m\n";
   text.reserve(text.size() + rows_.size() * 80);
   for (const StepRecord& row : rows_) {
     text += std::to_string(row.step) + ",";
     appendNumber(text, 1e3 * row.h);
-    text += std::to_string(row.contacts) + "," + std::to_string(row.contactsBetweenBodies) + ",";
+    text += std::to_string(row.parts) + "," + std::to_string(row.contacts) + "," +
+            std::to_string(row.contactsBetweenBodies) + ",";
     appendNumber(text, millimetres(row.depth));
     text += std::to_string(row.tests) + "," + std::to_string(row.impulses) + ",";
     appendNumber(text, row.micros);

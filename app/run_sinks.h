@@ -39,7 +39,7 @@ class StepSink : public RunSink {
   bool onStep(const StepRecord& step) noexcept override;
   bool onCommand(std::uint64_t, const Command&) noexcept override { return true; }
 
-  /// step,step_ms,contacts,body_contacts,depth_mm,tests,impulses,time_us,stiffness_N_per_m
+  /// step,step_ms,parts,contacts,body_contacts,depth_mm,tests,impulses,time_us,stiffness_N_per_m
   [[nodiscard]] std::string csv() const;
   [[nodiscard]] std::size_t dropped() const noexcept { return dropped_; }
 

@@ -38,6 +38,11 @@ class LooseBody {
   [[nodiscard]] PlainPose pose() const noexcept { return body_.pose(); }  ///< X_WB
   [[nodiscard]] Eigen::Isometry3d X_WB() const noexcept { return isometry(body_.pose()); }
   [[nodiscard]] const RigidBody& body() const noexcept { return body_; }
+  /// No point within the settings' reach is faster, m/s.
+  [[nodiscard]] double fastest() const noexcept {
+    return body_.velocityAt(body_.origin()).norm() +
+           body_.angularVelocity().norm() * settings_.reach;
+  }
   [[nodiscard]] bool speedCapped() const noexcept { return capped_; }
 
  private:

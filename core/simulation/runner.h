@@ -66,8 +66,9 @@ struct StepRecord {
   double micros = 0.0;  ///< Compute time; not part of the hash.
 
   // Neither in the hash nor in a session: they follow from the rest.
-  double h = 1e-3;         ///< s, that the step lasted.
-  double stiffness = 0.0;  ///< K_T in force, N/m.
+  double h = 1e-3;          ///< s, that the step lasted.
+  double stiffness = 0.0;   ///< K_T in force, N/m.
+  std::uint32_t parts = 1;  ///< That the step was done in.
   std::uint32_t contactsBetweenBodies = 0;
   std::uint32_t tests = 0;     ///< Sphere and leaf tests of all queries.
   std::uint32_t impulses = 0;  ///< Of the response.

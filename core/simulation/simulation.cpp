@@ -18,6 +18,16 @@ ResponseSettings responseOf(const SimulationSetting& setting) {
   return response;
 }
 
+/// A point that moves no farther at a time cannot get past the middle of a shell of one voxel,
+/// beyond which normals point the other way.
+double halfVoxelOf(const PreparedScene& scene) {
+  double finest = scene.tree->geometry().spacing.minCoeff();
+  for (const PreparedBody& body : scene.bodies) {
+    finest = std::min(finest, body.tree->geometry().spacing.minCoeff());
+  }
+  return 0.5 * finest;
+}
+
 ToolCoupling toolCoupling(const CouplingGains& gains) noexcept {
   return {gains.stiffness, gains.damping, gains.stiffnessR, gains.dampingR};
 }
@@ -25,9 +35,16 @@ ToolCoupling toolCoupling(const CouplingGains& gains) noexcept {
 ToolSettings toolSettings(const PreparedScene& scene, const CouplingGains& gains) {
   ToolSettings settings;
   settings.coupling = toolCoupling(gains);
-  settings.maxTravel = scene.tree->geometry().spacing.minCoeff();
+  settings.maxTravel = halfVoxelOf(scene);
   settings.reach = scene.shell->reach();
   return settings;
+}
+
+/// Where the hand is after dt.
+PlainPose movedOn(const ToolTarget& target, double dt) noexcept {
+  const Eigen::Vector3d v(target.v[0], target.v[1], target.v[2]);
+  const Eigen::Vector3d w(target.w[0], target.w[1], target.w[2]);
+  return plain(position(target.pose) + dt * v, expMap(dt * w) * orientation(target.pose));
 }
 
 std::vector<LooseBody> looseBodies(const PreparedScene& scene) {
@@ -36,7 +53,7 @@ std::vector<LooseBody> looseBodies(const PreparedScene& scene) {
     LooseBodySettings settings;
     settings.gravity = scene.scene.surroundings.gravity;
     settings.drag = scene.scene.surroundings.drag;
-    settings.maxTravel = body.tree->geometry().spacing.minCoeff();
+    settings.maxTravel = halfVoxelOf(scene);
     for (const Eigen::Vector3d& p : body.shell->points_T()) {
       settings.reach = std::max(settings.reach, p.norm());
     }
@@ -53,6 +70,9 @@ void copy(const Eigen::Vector3d& from, double (&to)[3]) noexcept {
 // The servo period that every device here runs at (haptics_facts: Phantoms at 1 kHz).
 constexpr double kServoPeriod = 1e-3;
 constexpr double kLeastShare = 0.1;
+// Parts of a step: at 1 mm and 1 kHz for points of up to 4 m/s, twice what the velocity stop
+// allows.
+constexpr std::uint32_t kMostParts = 8;
 // Slower than 100 steps a second the force fades (servo_loop.h), and simulated time with it.
 constexpr double kSlowestPace = 10.0;
 // Servo ticks over which the pace that was slowest is forgotten, and the coupling stiffens again.
@@ -65,6 +85,7 @@ constexpr double kGiveWay = 20.0;
 Simulation::Simulation(std::shared_ptr<const PreparedScene> scene, const CouplingGains& gains)
     : scene_(std::move(scene)),
       gains_(gains),
+      halfVoxel_(halfVoxelOf(*scene_)),
       declared_(scene_->scene.setting.stepPeriod),
       h_(declared_),
       stepTicks_(static_cast<std::uint32_t>(std::max(1.0, std::round(declared_ / kServoPeriod)))),
@@ -132,16 +153,39 @@ void Simulation::findContacts() noexcept {
     record_.depth = std::max(record_.depth, contact.depth);
   record_.contacts = static_cast<std::uint32_t>(contacts_W().size());
   record_.contactsBetweenBodies = static_cast<std::uint32_t>(gathering_.betweenBodies());
-  record_.tests = gathering_.tests();
+  record_.tests += gathering_.tests();
 }
 
-void Simulation::resolveContacts() noexcept {
+/// In how many parts, by what moves fastest. The tool may speed up within the step: a fifth in
+/// hand, and ToolBody caps the rest.
+std::uint32_t Simulation::partsFor(const DeviceSample& sample_W) const noexcept {
+  constexpr double kInHand = 1.2;
+  const double reach = body_.settings().reach;
+  const auto speed = [](const double(&v)[3]) { return std::hypot(v[0], v[1], v[2]); };
+  double fastest = std::max(speed(sample_W.v) + reach * speed(sample_W.w),
+                            body_.originVelocity().norm() + reach * body_.angularVelocity().norm());
+  for (const LooseBody& body : bodies_) fastest = std::max(fastest, body.fastest());
+  const double parts = std::ceil(kInHand * fastest * h_ / halfVoxel_);
+  if (!(parts > 1.0)) return 1;
+  return parts < kMostParts ? static_cast<std::uint32_t>(parts) : kMostParts;
+}
+
+void Simulation::stepPart(const ToolTarget& target, double dt) noexcept {
+  body_.applyCoupling(target, dt);
+  for (LooseBody& body : bodies_) body.accelerate(dt);
+  findContacts();
+  resolveContacts(dt);
+  body_.advance(dt);
+  for (LooseBody& body : bodies_) body.advance(dt);
+}
+
+void Simulation::resolveContacts(double dt) noexcept {
   moving_[0] = body_.contactBody();
   for (std::size_t i = 0; i < bodies_.size(); ++i) moving_[i + 1] = bodies_[i].contactBody();
-  effort_ = resolver_.resolve(moving_, gathering_.sets(), response_, h_, answered_);
-  record_.impulses = effort_.iterations;
-  body_.take(answered_[0], !contacts_W().empty(), h_);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].take(answered_[i + 1], h_);
+  effort_ = resolver_.resolve(moving_, gathering_.sets(), response_, dt, answered_);
+  record_.impulses += effort_.iterations;
+  body_.take(answered_[0], !contacts_W().empty(), dt);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].take(answered_[i + 1], dt);
 }
 
 const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
@@ -155,12 +199,14 @@ const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
   target.pose = sample_W.pose;
   std::memcpy(target.v, sample_W.v, sizeof(target.v));
   std::memcpy(target.w, sample_W.w, sizeof(target.w));
-  body_.applyCoupling(target, h_);
-  for (LooseBody& body : bodies_) body.accelerate(h_);
-  findContacts();
-  resolveContacts();
-  body_.advance(h_);
-  for (LooseBody& body : bodies_) body.advance(h_);
+  const std::uint32_t parts = partsFor(sample_W);
+  const double dt = parts == 1 ? h_ : h_ / parts;
+  record_.parts = parts;
+  record_.tests = record_.impulses = 0;
+  for (std::uint32_t part = 0; part < parts; ++part) {
+    if (part > 0) target.pose = movedOn(target, dt);
+    stepPart(target, dt);
+  }
   publish(sample_W);
   chainHash();
   const auto spent = std::chrono::steady_clock::now() - start;

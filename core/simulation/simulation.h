@@ -3,7 +3,9 @@
 ///
 /// coupling -> contacts -> response -> poses. The step lasts as long as the devices' samples lie
 /// apart, so that the tool keeps the pace of the hand where the machine does not keep its own; the
-/// coupling is softened for long steps (recommendedGains). Called by the runner's thread, by the
+/// coupling is softened for long steps (recommendedGains). Where the tool, the hand or a body is so
+/// fast that a point could move farther than half a voxel, the step is done in up to eight parts:
+/// so a shell of a single voxel is not passed through. Called by the runner's thread, by the
 /// virtual clock, or by a replay; equal samples and commands give equal bits. World axes, SI.
 
 #include <cstdint>
@@ -57,15 +59,18 @@ class Simulation {
 
  private:
   void keepPace(const DeviceSample& sample_W) noexcept;
+  [[nodiscard]] std::uint32_t partsFor(const DeviceSample& sample_W) const noexcept;
+  void stepPart(const ToolTarget& target, double dt) noexcept;
   void softenCoupling() noexcept;
   void findContacts() noexcept;
-  void resolveContacts() noexcept;
+  void resolveContacts(double dt) noexcept;
   void publish(const DeviceSample& sample_W) noexcept;
   void chainHash() noexcept;
   void fillContacts(Snapshot& snapshot) noexcept;
 
   std::shared_ptr<const PreparedScene> scene_;
   CouplingGains gains_;
+  double halfVoxel_;     ///< m, of the finest tree: what a point may move in a part of a step.
   double declared_, h_;  ///< s: a step as the scene has it, and the present one.
   std::uint32_t stepTicks_;
   double pace_;               ///< Servo ticks a step takes lately; rises at once, falls slowly.

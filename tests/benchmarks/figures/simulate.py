@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from collide import RunFailed
 
-STEPS_HEADING = ["step", "step_ms", "contacts", "body_contacts", "depth_mm", "tests", "impulses",
+STEPS_HEADING = ["step", "step_ms", "parts", "contacts", "body_contacts", "depth_mm", "tests", "impulses",
                  "time_us", "stiffness_N_per_m"]
 BODIES_HEADING = ["step", "body", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"]
 
