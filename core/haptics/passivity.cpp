@@ -10,18 +10,31 @@ double dot(const double (&a)[3], const double (&b)[3]) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+constexpr double kLargestUnforeseen = 2e-3;  // m: a tick at the velocity stop
+
 }  // namespace
 
 void PassivityObserver::observe(const DeviceSample& device) noexcept {
+  constexpr double kKept = 0.998;  // a tick: forgotten within a second or two
+  constexpr double kGrows = 2.0;   // an oscillation that grows misses by more the next time
   if (started_) {
-    const Eigen::Vector3d turn = logMap(orientation(device.pose) * orientation(last_).conjugate());
-    const double dx[3] = {device.pose.p[0] - last_.p[0], device.pose.p[1] - last_.p[1],
-                          device.pose.p[2] - last_.p[2]};
+    const Eigen::Vector3d turn =
+        logMap(orientation(device.pose) * orientation(last_.pose).conjugate());
+    const double dt = device.t - last_.t;
+    double dx[3], missed[3];
+    for (int i = 0; i < 3; ++i) {
+      dx[i] = device.pose.p[i] - last_.pose.p[i];
+      missed[i] = dx[i] - dt * last_.v[i];
+    }
     const double da[3] = {turn.x(), turn.y(), turn.z()};
     gained_ = -dot(sent_.force, dx) - dot(sent_.torque, da);
     energy_ += gained_;
+    unforeseen_ = std::max(kUnforeseenMove, kKept * unforeseen_);
+    // A jump is a fault of another kind (velocity stop), and not to be remembered.
+    const double most = std::min(kGrows * std::sqrt(dot(missed, missed)), kLargestUnforeseen);
+    unforeseen_ = std::max(unforeseen_, most);
   }
-  last_ = device.pose;
+  last_ = device;
   started_ = true;
 }
 
@@ -47,7 +60,7 @@ double PassivityObserver::passiveFraction(const Wrench& allowed, const DeviceSam
   const double allowance =
       std::max({kLeast, kShare * (energy_ - base_ - kFloor), std::min(kMost, kTrust * gained_)});
   const double work = period * (dot(allowed.force, device.v) + dot(allowed.torque, device.w)) +
-                      kUnforeseenMove * std::sqrt(dot(allowed.force, allowed.force));
+                      unforeseen_ * std::sqrt(dot(allowed.force, allowed.force));
   const double budget = std::max(allowance, energy_ - base_ + kPassivityReserve);
   return work <= budget ? 1.0 : budget / work;
 }

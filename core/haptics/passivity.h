@@ -9,8 +9,9 @@ namespace palpate {
 /// Energy the port may be short of before the controller holds the force back, J. The promise is
 /// -20 µJ; the rest is for what the prediction below misses.
 inline constexpr double kPassivityReserve = 10e-6;
-/// How far the device may move in a tick beyond what its filtered velocity says, m: two of the
-/// coarsest encoder steps of a Phantom (55 µm).
+/// How far the device may at least move in a tick beyond what its filtered velocity says, m: two of
+/// the coarsest encoder steps of a Phantom (55 µm). Twice as far as it did in the last second or
+/// two, where that is more: an arm that vibrates is never where its velocity says.
 inline constexpr double kUnforeseenMove = 1.2e-4;
 /// Deficit at which the controller has evidently failed, J (haptics_facts.md §3: sustained
 /// oscillation appeared only beyond 1 mJ).
@@ -45,8 +46,9 @@ class PassivityObserver {
   double energy_ = 0.0;
   double base_ = 0.0;
   double gained_ = 0.0;  ///< In the last tick.
+  double unforeseen_ = kUnforeseenMove;
   Wrench sent_;
-  PlainPose last_;
+  DeviceSample last_;
   bool started_ = false;
 };
 

@@ -72,8 +72,26 @@ TEST(PassivityObserver, LetsAWrenchDriveTheHandOnlyAsFarAsTheBalanceGoes) {
   EXPECT_NEAR(o.passiveFraction(force(1.0), at(0.0, 0.1), 1e-3),
               kPassivityReserve / (1e-4 + kUnforeseenMove), 1e-9);
   o.commit(force(-1.0));
-  o.observe(at(1e-3));  // 1 mJ taken
+  DeviceSample moved = at(1e-3);  // 1 mJ taken, as far as its velocity said
+  o.observe(at(0.0, 0.1));
+  moved.t = 0.01;
+  o.observe(moved);
   EXPECT_EQ(o.passiveFraction(force(1.0), at(1e-3, 0.1), 1e-3), 1.0);
+}
+
+TEST(PassivityObserver, AnArmThatIsNeverWhereItsVelocitySaysIsTrustedLess) {
+  PassivityObserver o;
+  o.observe(at(0.0));
+  EXPECT_EQ(o.passiveFraction(force(0.05), at(0.0), 1e-3), 1.0);
+  DeviceSample s = at(5e-4);  // half a millimetre out of the blue, twice that is expected next
+  s.t = 1e-3;
+  o.observe(s);
+  EXPECT_NEAR(o.passiveFraction(force(0.05), s, 1e-3), kPassivityReserve / (0.05 * 1e-3), 1e-9);
+  for (int i = 0; i < 3000; ++i) {
+    s.t += 1e-3;
+    o.observe(s);
+  }
+  EXPECT_EQ(o.passiveFraction(force(0.05), s, 1e-3), 1.0);  // forgotten
 }
 
 TEST(PassivityObserver, ASpentBalanceCanBeEarnedBack) {
