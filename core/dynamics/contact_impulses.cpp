@@ -9,6 +9,9 @@ namespace {
 // Finer than 1e-5 m/s, of the default tolerance ten times, is not worth an impulse.
 constexpr double kPolishFactor = 10.0;
 
+constexpr double kOpposed = -0.5;    // cosine of normals: 120 degrees apart and more
+constexpr double kSingular = 1e-10;  // below: walls so parallel that no pair of impulses helps
+
 class Impulses {
  public:
   explicit Impulses(Island& island) noexcept
@@ -88,10 +91,48 @@ class Impulses {
     apply(a, after - before);
   }
 
+  /// Two contacts that press a body from opposite sides, a wedge: each impulse alone throws it at
+  /// the other wall, and in a degree of wedge hundreds would pass between them. Both at once bring
+  /// both to their velocities. Only where both total impulses push and the energy does not rise.
+  bool wedgeOut(ActiveContact& a, const Eigen::Vector3d& u, double after) noexcept {
+    ActiveContact* b = before_;
+    if (b == nullptr || b == &a || b->normalImpulse <= 0.0 || b->bounced) return false;
+    if (b->body != a.body || b->other != a.other || a.n.dot(b->n) > kOpposed) return false;
+    Eigen::Vector3d atA = relativeChange(a, *b);  // of the velocity at a by a unit impulse at b
+    const double cross = a.n.dot(atA);
+    const double det = a.Kn * b->Kn - cross * cross;
+    if (!(det > kSingular * a.Kn * b->Kn)) return false;
+    const Eigen::Vector3d ub = island_.velocityAt(*b);
+    const double wantA = after - a.n.dot(u), wantB = -b->inward - b->n.dot(ub);
+    const double ja = (b->Kn * wantA - cross * wantB) / det;
+    const double jb = (a.Kn * wantB - cross * wantA) / det;
+    if (a.normalImpulse + ja < 0.0 || b->normalImpulse + jb < 0.0) return false;
+    const double work = ja * a.n.dot(u) + jb * b->n.dot(ub) +
+                        0.5 * (ja * ja * a.Kn + jb * jb * b->Kn) + ja * jb * cross;
+    if (work > 0.0) return false;
+    apply(a, ja * a.n);
+    apply(*b, jb * b->n);
+    slide(a);
+    slide(*b);
+    return true;
+  }
+
+  /// Change of the relative velocity at a by a unit impulse along b's normal at b.
+  [[nodiscard]] static Eigen::Vector3d relativeChange(const ActiveContact& a,
+                                                      const ActiveContact& b) noexcept {
+    const Vector6d body = b.toTwist * b.n;
+    if (a.other == kAnatomy) return relative(a, body, nullptr);
+    const Vector6d other = -(b.toTwistOther * b.n);
+    return relative(a, body, &other);
+  }
+
   void approach(ActiveContact& a, const Eigen::Vector3d& u, double un) noexcept {
     const double e = un < -settings_.restitutionSpeed ? a.restitution : 0.0;
     if (e > 0.0) a.bounced = true;
     const double after = e > 0.0 ? -e * un : -a.inward;
+    const bool both = e <= 0.0 && wedgeOut(a, u, after);
+    before_ = &a;
+    if (both) return;
     if (a.friction > 0.0 && stick(a, u, after)) return;
     apply(a, ((after - un) / a.Kn) * a.n);
     slide(a);
@@ -153,7 +194,8 @@ class Impulses {
 
   Island& island_;
   const ResponseSettings& settings_;
-  std::uint32_t most_;  ///< Impulses of the island.
+  std::uint32_t most_;               ///< Impulses of the island.
+  ActiveContact* before_ = nullptr;  ///< That got the last impulse against an approach.
 };
 
 }  // namespace
