@@ -4,8 +4,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/devices/simulated_phantom.h"
-
 namespace palpate::stability {
 namespace {
 
@@ -85,35 +83,44 @@ Shape wedge(double halfAngle, double depth) {
   };
 }
 
+Shape hole(double radius) {
+  return [radius](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d across(p.x(), 0.0, p.z());
+    const double r = across.norm();
+    if (r <= radius || p.y() >= 0.0) return Inside{-1.0, Eigen::Vector3d::UnitY()};
+    // To the nearer of the floor and the hole's wall.
+    return -p.y() < r - radius ? Inside{-p.y(), Eigen::Vector3d::UnitY()}
+                               : Inside{r - radius, -across / r};
+  };
+}
+
 Shape nothing() {
   return [](const Eigen::Vector3d&) { return Inside{-1.0, Eigen::Vector3d::UnitY()}; };
 }
 
 LoopResult runLoop(const LoopCase& loop) {
-  constexpr double kPeriod = 1e-3;
-  SimulatedPhantomOptions options;
-  options.extraDelay = loop.extraDelay;
-  options.frictionScale = loop.armFriction;
-  options.tremor = loop.tremor;
+  const double period = loop.arm.period;
   auto made = makeSimulatedPhantom(loop.model, loop.hand ? loop.hand : makeSearchingHand(loop.seed),
-                                   loop.seed, loop.grip, options);
+                                   loop.seed, loop.grip, loop.arm);
   if (!made) throw std::runtime_error(sentence(made.error()));
   HapticDevice& device = **made;
   if (!device.open()) throw std::runtime_error("the device did not open");
 
   ServoSettings settings;
-  settings.period = kPeriod;
+  settings.period = period;
   // Not the identity: a mistake in a frame must show.
   settings.X_WD = Eigen::Translation3d(0.1 + loop.faraway, -0.2, 0.3 - loop.faraway) *
                   Eigen::AngleAxisd(0.8, Eigen::Vector3d(1.0, 2.0, -0.5).normalized());
-  settings.gains = recommendedGains(device.info(), loop.stepTicks * kPeriod);
+  settings.gains = recommendedGains(device.info(), loop.stepTicks * period);
   settings.gains.stiffness *= loop.gain;
-  settings.limits = recommendedLimits(device.info(), kPeriod);
+  if (loop.stiffness > 0.0) settings.gains.stiffness = loop.stiffness;
+  if (loop.damping >= 0.0) settings.gains.damping = loop.damping;
+  settings.limits = recommendedLimits(device.info(), period);
   settings.declaredStepTicks = loop.stepTicks;
   ServoLoop servo(device, settings);
 
   const std::vector<Eigen::Vector3d> shell = burrShell();
-  const double h = loop.stepTicks * kPeriod;
+  const double h = loop.stepTicks * period;
   ToolSettings toolSettings;
   toolSettings.coupling = {settings.gains.stiffness, settings.gains.damping,
                            settings.gains.stiffnessR, settings.gains.dampingR};
@@ -128,7 +135,7 @@ LoopResult runLoop(const LoopCase& loop) {
   LoopResult out;
   out.X_WD = settings.X_WD;
   out.limits = settings.limits;
-  const auto ticks = static_cast<std::uint64_t>(std::llround(loop.seconds / kPeriod));
+  const auto ticks = static_cast<std::uint64_t>(std::llround(loop.seconds / period));
   out.samples.reserve(ticks);
   out.tool_D.reserve(ticks);
   ToolState pending;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/devices/hand.h"
+#include "core/devices/simulated_phantom.h"
 #include "core/dynamics/tool_body.h"
 #include "core/haptics/servo_loop.h"
 
@@ -26,20 +27,22 @@ using Shape = std::function<Inside(const Eigen::Vector3d& p_D)>;
 [[nodiscard]] Shape ball(double radius);  ///< Its top at the origin of D.
 /// Two walls that meet below the origin of D, each `halfAngle` from the vertical.
 [[nodiscard]] Shape wedge(double halfAngle, double depth);
+/// A floor with a round hole along -y of D at its origin, open below.
+[[nodiscard]] Shape hole(double radius);
 [[nodiscard]] Shape nothing();
 
 struct LoopCase {
   std::string model = "touch-x";
   std::string grip = "up-down";
-  std::uint32_t extraDelay = 0;  ///< ticks
-  std::uint32_t stepTicks = 1;   ///< of the simulation, each 1 ms; its result comes this late
-  double mass = 0.05;            ///< kg of the tool
-  double toolFriction = 0.2;     ///< Coulomb, of the anatomy
-  double armFriction = 1.0;      ///< scale
-  double gain = 1.0;             ///< Of the recommended coupling stiffness.
-  double maxTravel = 1e-3;       ///< m a step, of any point of the tool
+  SimulatedPhantomOptions arm;  ///< Period, delay, friction, encoders, jitter, lag, dropouts.
+  std::uint32_t stepTicks = 1;  ///< of the simulation; its result comes this late
+  double mass = 0.05;           ///< kg of the tool
+  double toolFriction = 0.2;    ///< Coulomb, of the anatomy
+  double gain = 1.0;            ///< Of the recommended coupling stiffness.
+  double stiffness = 0.0;       ///< N/m instead, where above 0.
+  double damping = -1.0;        ///< N·s/m instead of the recommended, where not below 0.
+  double maxTravel = 1e-3;      ///< m a step, of any point of the tool
   double seconds = 5.0;
-  double tremor = 5e-5;  ///< m, of the hand
   double faraway = 0.0;  ///< m: the whole scene moved off the origin of W.
   std::uint64_t seed = 1;
   Shape shape = wall();

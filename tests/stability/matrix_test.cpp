@@ -38,8 +38,8 @@ std::string nameOf(const LoopCase& c) {
   char text[160];
   std::snprintf(text, sizeof text,
                 "%s %s delay %u step %u ms mass %g mu %g arm %g gain %g seed %llu", c.model.c_str(),
-                c.grip.c_str(), c.extraDelay, c.stepTicks, c.mass, c.toolFriction, c.armFriction,
-                c.gain, static_cast<unsigned long long>(c.seed));
+                c.grip.c_str(), c.arm.extraDelay, c.stepTicks, c.mass, c.toolFriction,
+                c.arm.frictionScale, c.gain, static_cast<unsigned long long>(c.seed));
   return text;
 }
 
@@ -67,7 +67,7 @@ TEST_P(Models, AreStableAndPassiveWithEveryGripDelayAndStep) {
         LoopCase c;
         c.model = GetParam();
         c.grip = grip;
-        c.extraDelay = delay;
+        c.arm.extraDelay = delay;
         c.stepTicks = step;
         for (const LoopCase& each : heldAndLetGo(c)) {
           SCOPED_TRACE(nameOf(each));
@@ -106,7 +106,7 @@ TEST_P(Models, AreStableWithoutFrictionInTheArm) {
     LoopCase c;
     c.model = GetParam();
     c.grip = grip;
-    c.armFriction = 0.0;
+    c.arm.frictionScale = 0.0;
     for (const LoopCase& each : heldAndLetGo(c)) {
       SCOPED_TRACE(nameOf(each));
       expectSafe(runLoop(each), each);
@@ -126,9 +126,9 @@ TEST_P(Models, HoldAPressedForceWithoutRipple) {
       LoopCase c;
       c.model = GetParam();
       c.hand = std::make_shared<PressingHand>(0.03, -0.004);
-      c.armFriction = friction;
+      c.arm.frictionScale = friction;
       c.stepTicks = step;
-      c.tremor = 0.0;
+      c.arm.tremor = 0.0;
       c.seconds = friction > 0.0 ? 5.0 : 3.0;
       SCOPED_TRACE(nameOf(c));
       const LoopResult r = runLoop(c);
