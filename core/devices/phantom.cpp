@@ -137,6 +137,41 @@ PhantomStatus Phantom::status() {
   return status;
 }
 
+DeviceCondition Phantom::condition() {
+  const PhantomStatus now = status();
+  DeviceCondition out;
+  switch (now.state) {
+    case hd::DriverState::Ready:
+      out.state = now.poseInvalid ? DeviceCondition::State::Problem : DeviceCondition::State::Ready;
+      break;
+    case hd::DriverState::Calibrating:
+      out.state = DeviceCondition::State::Calibrating;
+      out.asksToConfirm = now.calibrationStyle == hd::kStyleEncoderReset;
+      break;
+    case hd::DriverState::Refused:
+    case hd::DriverState::Warm:
+    case hd::DriverState::Fault:
+      out.state = DeviceCondition::State::Problem;
+      break;
+    case hd::DriverState::Lost:
+    case hd::DriverState::Closed:
+      out.state = DeviceCondition::State::Gone;
+      break;
+  }
+  out.sentence = describe(now);
+  const std::lock_guard lock(statusMutex_);  // reconnect() may be writing these
+  // What heals by itself needs no hand; warm motors need time.
+  out.canReconnect = now.state == hd::DriverState::Lost || now.state == hd::DriverState::Fault;
+  out.hasInkwell = setup_.inkwell;
+  out.docked = now.docked;
+  out.buttons = now.buttons;
+  out.motorTemperature.assign(now.motorTemperature, now.motorTemperature + now.motors);
+  out.firmware = facts_.firmware;
+  out.driver = facts_.driverVersion;
+  out.serial = facts_.serial;
+  return out;
+}
+
 Result<void> Phantom::reconnect() {
   if (scheduler_ == nullptr) return open();
   return scheduler_->whileStopped([this]() -> Result<void> {
@@ -156,8 +191,11 @@ Result<void> Phantom::reconnect() {
                       .advise("Plug the first device in again, or close the scene and open the "
                               "other device."));
     }
-    facts_ = std::move(asked.facts);
-    setup_ = asked.setup;
+    {
+      const std::lock_guard lock(statusMutex_);
+      facts_ = std::move(asked.facts);
+      setup_ = asked.setup;
+    }
     if (Result<void> ready = prepare(); !ready) {
       giveBack();
       return ready;

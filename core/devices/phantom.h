@@ -52,11 +52,13 @@ class Phantom final : public HapticDevice {
 
   /// Any thread but the vendor's. A scheduler that stopped ticking shows as a fault.
   [[nodiscard]] PhantomStatus status();
-  /// Any thread: the arm is in its reset position (guidance of the encoder-reset style).
-  void confirmCalibration() noexcept { servo_.confirmCalibration(); }
+  /// status() and facts() for people.
+  [[nodiscard]] DeviceCondition condition() override;
+  /// The arm is in its reset position (guidance of the encoder-reset style).
+  void confirm() noexcept override { servo_.confirmCalibration(); }
   /// Gives the device back and takes it again, the servo running on (with kDeviceLost meanwhile).
   /// Refuses another model under the same name. On an Error it can be tried again.
-  [[nodiscard]] Result<void> reconnect();
+  [[nodiscard]] Result<void> reconnect() override;
   /// What the vendor's library said; empty before open().
   [[nodiscard]] const PhantomFacts& facts() const noexcept { return facts_; }
   /// The library in use; empty before open().

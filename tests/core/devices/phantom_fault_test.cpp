@@ -86,7 +86,7 @@ TEST_F(PhantomFaultTest, TheEncodersAreResetOnlyWhenThePersonConfirms) {
             "Bring the arm into its reset position, all links at right angles and the stylus "
             "level, hold it still and confirm.");
   EXPECT_EQ(fake().calls("hdUpdateCalibration"), 0);
-  phantom_.confirmCalibration();
+  phantom_.confirm();
   EXPECT_TRUE(reaches(phantom_, DriverState::Ready));
   EXPECT_EQ(fake().lastCalibrationStyle(device_), 1u);
 }

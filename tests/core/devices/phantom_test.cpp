@@ -315,6 +315,43 @@ TEST_F(PhantomTest, TellsButtonsInkwellAndWarmth) {
   EXPECT_TRUE(eventually([&] { return !phantom.status().docked; }));
 }
 
+TEST_F(PhantomTest, ItsConditionIsWhatAPersonNeeds) {
+  fake_hd::DeviceSetup setup;
+  setup.calibrationStyles = 1;
+  setup.calibration = 0x5002;  // needs the person
+  const int device = configure(setup);
+  const double warmth[3] = {0.1, 0.2, 0.3};
+  fake().setMotorTemperature(device, warmth);
+  fake().setButtons(device, 1);
+  Phantom phantom(options());
+  ASSERT_TRUE(phantom.open());
+  using State = DeviceCondition::State;
+  ASSERT_TRUE(eventually([&] { return phantom.condition().motorTemperature.size() == 3; }));
+  DeviceCondition now = phantom.condition();
+  EXPECT_EQ(now.state, State::Calibrating);
+  EXPECT_TRUE(now.asksToConfirm);
+  EXPECT_THAT(now.sentence, HasSubstr("reset"));
+  EXPECT_EQ(now.serial, "SERIAL-0001");
+  EXPECT_TRUE(now.hasInkwell);
+  EXPECT_EQ(now.buttons, 1u);
+  EXPECT_DOUBLE_EQ(now.motorTemperature[2], 0.3);
+  phantom.confirm();
+  ASSERT_TRUE(eventually([&] { return phantom.condition().state == State::Ready; }));
+  EXPECT_FALSE(phantom.condition().asksToConfirm);
+  fake().inject(device, fake_hd::Fault::Lost, 0, 2, 1 << 30);
+  ASSERT_TRUE(eventually([&] { return phantom.condition().state == State::Gone; }));
+  EXPECT_TRUE(phantom.condition().canReconnect);
+  fake().clearFaults(device);
+  HapticDevice& plainly = phantom;
+  ASSERT_TRUE(plainly.reconnect());
+  phantom.confirm();
+  ASSERT_TRUE(eventually([&] { return phantom.condition().state == State::Ready; }));
+  fake().pushError(device, 0x200, 0);  // WARM_MOTORS
+  ASSERT_TRUE(eventually([&] { return phantom.condition().state == State::Problem; }));
+  EXPECT_THAT(phantom.condition().sentence, HasSubstr("warm"));
+  EXPECT_FALSE(phantom.condition().canReconnect);
+}
+
 TEST_F(PhantomTest, ADeviceWithoutInkwellOrThermometerIsNoFault) {
   fake_hd::DeviceSetup bare;
   bare.inkwell = false;
