@@ -64,6 +64,13 @@ Result<CommandOutput> runDevices() {
     table.add(deviceRow(device));
     if (!device.there) notes += device.name + ": " + device.note + " " + device.advice + "\n";
   }
+  output.json["tried"] = ordered_json::array();
+  for (const hd::LibraryAttempt& attempt : list.libraries) {
+    output.json["tried"].push_back({{"library", attempt.name},
+                                    {"problem", textOrNull(attempt.problem)},
+                                    {"advice", textOrNull(attempt.advice)}});
+  }
+  output.json["mouse_library"] = textOrNull(list.mouseLibrary);
   output.json["library"] = textOrNull(list.library);
   output.json["library_note"] = librarySentence(list);
   output.text = table.text() + "\n" + notes + librarySentence(list) + "\n";

@@ -12,6 +12,7 @@
 #include "core/base/whole_file.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
+#include "core/devices/space_mouse.h"
 #include "core/geometry/units.h"
 #include "core/session/recorder.h"
 #include "core/session/replay.h"
@@ -48,23 +49,56 @@ Result<std::unique_ptr<HapticDevice>> makePhantom(const SimulateOptions& options
   return std::make_unique<Phantom>(std::move(*phantom));
 }
 
+/// What somebody's hand did in a session, for a simulated one to do it again: in the frame of the
+/// device as it stood there.
+Result<std::unique_ptr<Hand>> recordedHand(const fs::path& session) {
+  const auto header = readSessionHeader(session);
+  if (!header) return fail(header.error());
+  const auto samples = readSamples(session);
+  if (!samples) return fail(samples.error());
+  const Eigen::Isometry3d X_DW = header->scene.X_WD->inverse();  // a session always has it
+  std::vector<RecordedPose> records;
+  for (const ServoSample& sample : *samples) {
+    const DeviceSample& d = sample.device;
+    if ((d.status & (kDeviceLost | kDeviceNotReady | kDeviceInvalidSample)) != 0) continue;
+    records.push_back({d.t, plain(X_DW * isometry(d.pose)), d.buttons});
+  }
+  return makeRecordedHand(std::move(records));
+}
+
+bool isCsv(const fs::path& file) {
+  return file.extension() == ".csv" || !readSessionHeader(file);
+}
+
+Result<std::shared_ptr<Hand>> makeHand(const SimulateOptions& options) {
+  if (options.hand.empty()) return std::shared_ptr<Hand>(makeSearchingHand(options.seed));
+  Result<std::unique_ptr<Hand>> hand =
+      isCsv(options.hand) ? readScriptedHand(options.hand) : recordedHand(options.hand);
+  if (hand) return std::shared_ptr<Hand>(std::move(*hand));
+  Error error = hand.error();
+  if (!error.advice) error.advise("Correct the file, or leave --hand out for the built-in hand.");
+  return fail(error);
+}
+
+Result<std::unique_ptr<HapticDevice>> makeSpaceMouse(const SimulateOptions& options) {
+  if (options.clock != "real" || !options.hand.empty()) {
+    return fail(usageError("A 3D mouse is moved by a person, on the real clock.")
+                    .inField("--device")
+                    .butFound(kSpaceMouse)
+                    .advise("Add --clock real and leave --hand out."));
+  }
+  auto hand = makeSpaceMouseHand();
+  if (!hand) return fail(hand.error());
+  return makeSimulatedPhantom("touch-x", std::move(*hand), options.seed);
+}
+
 Result<std::unique_ptr<HapticDevice>> makeDevice(const SimulateOptions& options,
                                                  const Scene& scene) {
   if (scene.device.rfind("phantom", 0) == 0) return makePhantom(options, scene.device);
-  std::shared_ptr<Hand> hand;
-  if (options.hand.empty()) {
-    hand = makeSearchingHand(options.seed);
-  } else {
-    Result<std::unique_ptr<Hand>> scripted = readScriptedHand(options.hand);
-    if (!scripted) {
-      Error error = scripted.error();
-      if (!error.advice)
-        error.advise("Correct the file, or leave --hand out for the built-in hand.");
-      return fail(error);
-    }
-    hand = std::move(*scripted);
-  }
-  return makeSimulatedPhantom(scene.device, std::move(hand), options.seed);
+  if (scene.device == kSpaceMouse) return makeSpaceMouse(options);
+  auto hand = makeHand(options);
+  if (!hand) return fail(hand.error());
+  return makeSimulatedPhantom(scene.device, std::move(*hand), options.seed);
 }
 
 /// A recording that is taken away again unless it was finished: a cancelled run leaves nothing.
@@ -313,8 +347,11 @@ void addSimulateCommand(CommandSet& commands) {
       ->required();
   sub->add_flag("--headless", options->headless,
                 "Without a window; this command opens none anyway ('palpate --case CASE' does)");
-  sub->add_option("--device", options->device, "Simulated: " + modelList() + "; or phantom[:NAME]");
-  sub->add_option("--hand", options->hand, "CSV of poses (default: the built-in searching hand)");
+  sub->add_option("--device", options->device,
+                  "Simulated: " + modelList() + "; 3d-mouse; or phantom[:NAME]");
+  sub->add_option(
+      "--hand", options->hand,
+      "CSV of poses, or a session whose hand is repeated (default: the built-in searching hand)");
   sub->add_option("--instrument", options->instrument, "A name in datasets/instruments");
   sub->add_option("--seconds", options->seconds, "Simulated time")
       ->check(CLI::Range(0.001, 3600.0))

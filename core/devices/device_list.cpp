@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "core/devices/arm_model.h"
+#include "core/devices/space_mouse.h"
 
 namespace palpate {
 namespace {
@@ -59,11 +60,26 @@ ListedDevice look(const std::string& configuredName, const PhantomOptions& optio
   return one;
 }
 
+/// The arm that it moves is simulated; what is felt is nothing.
+ListedDevice spaceMouse(DeviceList& list) {
+  const SpaceMouseSearch search = findSpaceMouse();
+  list.mouseLibrary = search.library;
+  ListedDevice one;
+  one.name = kSpaceMouse;
+  one.info = armModels()[1].info;
+  one.info.name = "3D mouse on a simulated Touch X";
+  one.there = search.there;
+  one.note = search.note;
+  one.advice = search.advice;
+  return one;
+}
+
 }  // namespace
 
 DeviceList listDevices(const PhantomOptions& options) {
   DeviceList list;
   list.devices = simulated();
+  list.devices.push_back(spaceMouse(list));
   hd::LibrarySearch search = hd::findLibrary(options.libraries);
   list.libraries = std::move(search.attempts);
   if (search.library == nullptr) return list;

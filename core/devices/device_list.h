@@ -12,8 +12,8 @@
 namespace palpate {
 
 struct ListedDevice {
-  /// What one asks for it by: a simulated model ("touch-x"), or "phantom", or "phantom:NAME" with
-  /// its name in the vendor's set-up.
+  /// What one asks for it by: a simulated model ("touch-x"), "3d-mouse", or "phantom", or
+  /// "phantom:NAME" with its name in the vendor's set-up.
   std::string name;
   DeviceInfo info;
   bool there = false;
@@ -30,7 +30,11 @@ struct DeviceList {
   std::vector<ListedDevice> devices;
   std::vector<hd::LibraryAttempt> libraries;  ///< Each name of the vendor's library tried.
   std::string library;                        ///< Path of the one that was found; else empty.
+  std::string mouseLibrary;                   ///< libspnav, where it was found.
 };
+
+/// The name that a 3D mouse is asked for by: it moves a simulated Touch X.
+inline constexpr const char* kSpaceMouse = "3d-mouse";
 
 /// Takes and gives back each Phantom of `names` for a moment, without force; so not while one is in
 /// use in this program. Not for the loops.

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/latest_value.h"
@@ -41,6 +42,18 @@ class Hand {
 /// missing or other header, a row that is not nine finite numbers, times that do not rise, a
 /// quaternion whose length is not 1 within 0.01, buttons that are not a whole number from 0 to 255.
 [[nodiscard]] Result<std::unique_ptr<Hand>> readScriptedHand(const std::filesystem::path& csv);
+
+/// What a stylus did, for a hand or a device to do it again.
+struct RecordedPose {
+  double t = 0.0;    ///< s, rising
+  PlainPose pose_D;  ///< device frame
+  std::uint32_t buttons = 0;
+};
+
+/// Wants the stylus where it was recorded: linear and spherical between the records, the first
+/// before its time, after the last its pose with the button let go. Refused: no record, a pose that
+/// is not rigid, times that do not rise.
+[[nodiscard]] Result<std::unique_ptr<Hand>> makeRecordedHand(std::vector<RecordedPose> records);
 
 /// The built-in hand finds the anatomy by feel alone: it starts 40 mm above (+y of D), goes down at
 /// 50 mm/s until it feels more than 0.3 N, presses to about 1 N, slides 15 mm across (x, z of D)

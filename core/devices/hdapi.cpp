@@ -1,12 +1,11 @@
 #include "core/devices/hdapi.h"
 
-#include <dlfcn.h>
-#include <link.h>
-
 #include <cstdlib>
 #include <map>
 #include <memory>
 #include <mutex>
+
+#include "core/devices/shared_library.h"
 
 namespace palpate::hd {
 namespace {
@@ -43,31 +42,25 @@ LibraryAttempt explain(const std::string& name, const std::string& message) {
   return attempt;
 }
 
-/// The vendor's library uses ncurses without asking for it; without it loading fails.
+/// The vendor's library for Linux uses ncurses without asking for it; without it loading fails.
 void provideNcurses() {
+  std::string message;
   for (const char* name : {"libncurses.so.5", "libncurses.so.6"})
-    if (dlopen(name, RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
+    if (openLibrary(name, message) != nullptr) return;
 }
 
-/// RTLD_NOW: a function missing deep inside must be found here, not end the program at its first
-/// call. RTLD_GLOBAL: the vendor's libraries find each other through the global names.
 void* openNow(const std::string& name, std::string& message) {
-  for (int attempt = 0; attempt < 2; ++attempt) {
-    dlerror();
-    if (void* handle = dlopen(name.c_str(), RTLD_NOW | RTLD_GLOBAL)) return handle;
-    const char* said = dlerror();
-    message = said != nullptr ? said : "the loader gave no reason";
-    if (symbolNamedBy(message).empty()) return nullptr;
-    if (attempt == 0) provideNcurses();
-  }
-  return nullptr;
+  if (void* handle = openLibrary(name, message)) return handle;
+  if (symbolNamedBy(message).empty()) return nullptr;
+  provideNcurses();
+  return openLibrary(name, message);
 }
 
 /// The names of functions that `handle` lacks.
 std::string resolve(void* handle, Api& api) {
   std::string missing;
   const auto take = [&](const char* name, auto& slot) {
-    void* found = dlsym(handle, name);
+    void* found = findFunction(handle, name);
     if (found == nullptr) missing += (missing.empty() ? "" : ", ") + std::string(name);
     slot = reinterpret_cast<std::remove_reference_t<decltype(slot)>>(found);
   };
@@ -93,12 +86,6 @@ std::string resolve(void* handle, Api& api) {
   take("hdScheduleAsynchronous", api.scheduleAsynchronous);
   take("hdUnschedule", api.unschedule);
   return missing;
-}
-
-std::string resolvedPath(void* handle, const std::string& name) {
-  link_map* map = nullptr;
-  if (dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0 || map == nullptr) return name;
-  return map->l_name != nullptr && *map->l_name != '\0' ? map->l_name : name;
 }
 
 /// Never freed, and no handle is ever closed.
@@ -128,7 +115,7 @@ const Library* load(const std::string& name, LibraryAttempt& attempt) {
     attempt.advice = "Install OpenHaptics 3.0 or later.";
     return nullptr;
   }
-  slot->path = resolvedPath(handle, name);
+  slot->path = libraryFile(handle, name);
   return slot.get();
 }
 
@@ -138,7 +125,13 @@ std::vector<std::string> libraryCandidates() {
   std::vector<std::string> names;
   if (const char* chosen = std::getenv("PALPATE_HD_LIBRARY"); chosen != nullptr && *chosen != '\0')
     names.emplace_back(chosen);
+#if defined(_WIN32)
+  names.emplace_back("HD.dll");
+#elif defined(__APPLE__)
+  names.emplace_back("libHD.dylib");
+#else
   names.insert(names.end(), {"libHD.so", "libHD.so.3.4.0", "libHD.so.3.0.0"});
+#endif
   return names;
 }
 

@@ -6,7 +6,8 @@
 /// 64-bit builds: there the vendor's calling convention is the platform's.
 ///
 /// A library once loaded is never unloaded: the vendor's driver does not survive being loaded twice
-/// in one process. Windows would look for HD.dll and macOS for libHD.dylib; this file knows Linux.
+/// in one process. HD.dll on Windows and libHD.dylib on macOS are looked for as well
+/// (shared_library.h); there it was never run.
 
 #include <cstdint>
 #include <string>
@@ -103,7 +104,7 @@ struct LibrarySearch {
   const Library* library = nullptr;  ///< Lives as long as the process.
 };
 
-/// PALPATE_HD_LIBRARY where set, then libHD.so, libHD.so.3.4.0, libHD.so.3.0.0.
+/// PALPATE_HD_LIBRARY where set, then the system's names: libHD.so, libHD.so.3.4.0, libHD.so.3.0.0.
 [[nodiscard]] std::vector<std::string> libraryCandidates();
 
 /// Takes the first candidate that loads with every function. Any thread but the servo's.

@@ -200,6 +200,24 @@ Result<ReplayReport> replaySession(const std::filesystem::path& file,
   return report;
 }
 
+Result<std::vector<ServoSample>> readSamples(const std::filesystem::path& file) {
+  auto database = openSession(file);
+  if (!database) return fail(database.error());
+  Statement rows;
+  if (database->prepare("SELECT data FROM samples ORDER BY tick", rows) != SQLITE_OK) {
+    return fail(damaged(file.string(), "samples"));
+  }
+  std::vector<ServoSample> samples;
+  int code = SQLITE_ROW;
+  while ((code = rows.step()) == SQLITE_ROW) {
+    const auto sample = unpackSample(rows.bytes(0));
+    if (!sample) return fail(damaged(file.string(), "samples"));
+    samples.push_back(*sample);
+  }
+  if (code != SQLITE_DONE) return fail(damaged(file.string(), "samples"));
+  return samples;
+}
+
 Result<std::vector<StepRecord>> readSteps(const std::filesystem::path& file, std::uint64_t stride) {
   if (stride == 0) return fail(usageError("Every how many steps must be at least one."));
   auto database = openSession(file);

@@ -51,6 +51,9 @@ struct ReplayReport {
     const std::filesystem::path& file, std::shared_ptr<const PreparedScene> scene,
     const Progress& progress = {}, const std::function<void(const Snapshot&)>& onSnapshot = {});
 
+/// Every recorded servo sample, world axes: what the hand did, for a simulated hand to do it again.
+[[nodiscard]] Result<std::vector<ServoSample>> readSamples(const std::filesystem::path& file);
+
 /// The recorded steps for scrubbing in the window: one row every `stride` steps.
 [[nodiscard]] Result<std::vector<StepRecord>> readSteps(const std::filesystem::path& file,
                                                         std::uint64_t stride);

@@ -168,5 +168,40 @@ TEST(FollowingHand, GoesToItsTargetAtAHandsBandwidth) {
   EXPECT_TRUE(isRigid(hand.target(0.03, {}, {}).pose_D));
 }
 
+TEST(RecordedHand, WantsWhatWasRecordedAndLetsGoAtTheEnd) {
+  const double c = std::cos(M_PI / 4), s = std::sin(M_PI / 4);
+  std::vector<RecordedPose> records(3);
+  records[0].t = 1.0;
+  records[1].t = 1.5;
+  records[2].t = 2.0;
+  records[1].pose_D.p[0] = 0.02;
+  records[1].pose_D.q[0] = c;
+  records[1].pose_D.q[3] = s;
+  records[2].pose_D = records[1].pose_D;
+  records[0].buttons = records[1].buttons = records[2].buttons = 1;
+  auto hand = makeRecordedHand(records);
+  ASSERT_TRUE(hand);
+  const auto at = [&](double t) { return (*hand)->target(t, {}, {}); };
+  EXPECT_EQ(at(0.0).pose_D.p[0], 0.0);
+  EXPECT_NEAR(at(1.25).pose_D.p[0], 0.01, 1e-15);
+  EXPECT_NEAR(2.0 * std::acos(at(1.25).pose_D.q[0]), M_PI / 4, 1e-12);
+  EXPECT_EQ(at(1.9).buttons, 1u);
+  EXPECT_EQ(at(5.0).pose_D.p[0], 0.02);
+  EXPECT_EQ(at(5.0).buttons, 0u);
+  EXPECT_NEAR(at(1.25).pose_D.p[0], 0.01, 1e-15);  // a new run
+  EXPECT_TRUE(at(3.0).present);
+}
+
+TEST(RecordedHand, WhatIsNoMotionIsRefused) {
+  EXPECT_EQ(makeRecordedHand({}).error().message, "The recording holds no pose of the stylus.");
+  std::vector<RecordedPose> records(3);
+  records[1].t = 1.0;
+  records[2].t = 1.0;
+  EXPECT_EQ(makeRecordedHand(records).error().field.value_or(""), "sample 2");
+  records[2].t = 2.0;
+  records[1].pose_D.q[0] = 0.5;
+  EXPECT_EQ(makeRecordedHand(records).error().field.value_or(""), "sample 1");
+}
+
 }  // namespace
 }  // namespace palpate

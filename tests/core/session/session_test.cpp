@@ -193,6 +193,16 @@ TEST_F(Session, RealClockRecordingReplaysToTheBit) {
   EXPECT_EQ(report->steps, recorded.report.steps);
 }
 
+TEST_F(Session, SamplesCanBeReadForAHandToRepeat) {
+  record(file, prepared(ball()), {}, 0.5);
+  const auto samples = readSamples(file);
+  ASSERT_TRUE(samples) << sentence(samples.error());
+  ASSERT_EQ(samples->size(), 500U);
+  EXPECT_EQ((*samples)[499].device.index, 499U);
+  EXPECT_TRUE(isRigid((*samples)[499].device.pose));
+  EXPECT_FALSE(readSamples(folder / "nowhere.palpate"));
+}
+
 TEST_F(Session, StepsCanBeReadForScrubbing) {
   record(file, prepared(ball()), {}, 0.5);
   const auto steps = readSteps(file, 100);
