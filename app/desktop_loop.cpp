@@ -107,9 +107,11 @@ void Desktop::fillModel(double dt) {
   model_.job = jobs_.model();
   if (devices_.valid() && devices_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     for (const ListedDevice& device : devices_.get().devices) {
-      if (!device.there || device.info.simulated) continue;
+      const bool mouse = device.name == kSpaceMouse;
+      if (!device.there || (device.info.simulated && !mouse)) continue;
       model_.simulate.devices.push_back(device.name);
-      hardware_.emplace_back(device.info);
+      // What a 3D mouse moves is a simulated arm.
+      hardware_.push_back(mouse ? std::nullopt : std::optional<DeviceInfo>(device.info));
     }
   }
   simulation_.describe(model_);
@@ -291,6 +293,12 @@ void Desktop::carryOutOne(const ui::Action& action) {
                 {Command::Kind::SetSolverIterations, static_cast<double>(a.count)});
             model_.simulate.setting.solverIterations = a.count;
           },
+          [this](const act::Coupling& a) {
+            (void)simulation_.send({Command::Kind::SetCoupling, 0.01 * a.percent});
+            model_.simulate.couplingPercent = a.percent;
+          },
+          [this](const act::ConfirmCalibration&) { simulation_.confirmCalibration(); },
+          [this](const act::Reconnect&) { simulation_.reconnect(); },
           [this](const act::RefreshSessions&) { refreshSessions(); },
           [this](const act::ChooseSession& a) { chooseSession(a.index); },
           [this](const act::Replay&) { replay(); },

@@ -172,6 +172,25 @@ void Desktop::meshLabels() {
   });
 }
 
+namespace {
+
+/// A body that cannot be drawn is still felt; it is left out of the picture.
+std::vector<ui::BodySurface> bodySurfacesOf(const PreparedScene& scene, const Progress& progress) {
+  std::vector<ui::BodySurface> surfaces;
+  for (const PreparedBody& body : scene.bodies) {
+    ui::BodySurface& surface = surfaces.emplace_back();
+    surface.label = body.label;
+    for (const LabelInfo& row : scene.table) {
+      if (row.value == body.label) surface.colour = row.colour;
+    }
+    auto chunks = meshLabel(*body.voxels, body.label, 1, progress);
+    if (chunks) surface.chunks = std::move(*chunks);
+  }
+  return surfaces;
+}
+
+}  // namespace
+
 void Desktop::prepare() {
   if (!open_ || !open_->labels || instruments_.empty() || materials_.empty()) return;
   model_.simulate.notReady = "The anatomy is being made ready to feel.";
@@ -193,8 +212,11 @@ void Desktop::prepare() {
                                          table = open_->table, materials = materials_,
                                          folder = open_->folder](const Progress& progress) {
     auto prepared = prepareScene(scene, labels, table, materials, instrument, progress, folder);
-    return [this, prepared, labels] {
+    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
+    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
+    return [this, prepared, labels, bodies] {
       if (!open_ || open_->labels != labels) return;
+      workspace_->showBodies(*bodies);
       if (!prepared) {
         model_.simulate.notReady = sentence(prepared.error());
         if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());

@@ -8,6 +8,7 @@
 #include "app/desktop_signals.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
+#include "core/devices/space_mouse.h"
 #include "core/geometry/units.h"
 #include "ui/format.h"
 
@@ -15,6 +16,8 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
+constexpr auto kLookPeriod = std::chrono::milliseconds(200);
+constexpr auto kRetryPeriod = std::chrono::seconds(2);
 constexpr double kStartHeight_m = 0.04;  // above the anatomy, as the built-in hand starts
 
 }  // namespace
@@ -38,8 +41,9 @@ void DesktopSimulation::setDevice(const std::string& name,
 const DeviceInfo& DesktopSimulation::info() {
   if (hardware_) return *hardware_;
   if (infoOf_ == device_) return info_;
+  const std::string model = device_ == kSpaceMouse ? "touch-x" : device_;
   const auto device =
-      makeSimulatedPhantom(device_, std::make_shared<FollowingHand>(HandTarget{}), kSeed);
+      makeSimulatedPhantom(model, std::make_shared<FollowingHand>(HandTarget{}), kSeed);
   if (device) {
     info_ = (*device)->info();
     infoOf_ = device_;
@@ -64,6 +68,11 @@ Result<std::unique_ptr<HapticDevice>> DesktopSimulation::makeDevice() {
   target_ = HandTarget{};
   target_.pose_D = stylusAtRest(kStartHeight_m);
   target_.buttons = 0;  // Arming is the window's, not the stylus' button.
+  if (device_ == kSpaceMouse) {
+    auto hand = makeSpaceMouseHand();
+    if (!hand) return fail(hand.error());
+    return makeSimulatedPhantom("touch-x", std::move(*hand), kSeed);
+  }
   if (handKind_ == ui::HandKind::Demo) {
     return makeSimulatedPhantom(device_, makeSearchingHand(kSeed), kSeed);
   }
@@ -95,6 +104,8 @@ Result<void> DesktopSimulation::start(Clock clock, const std::filesystem::path& 
   runner_ = std::move(*runner);
   DesktopSignals::guard(runner_.get());
   clock_ = clock;
+  condition_ = {};
+  lookedAt_ = triedAt_ = {};
   armed_ = false;
   restSnapshot();
   if (clock == Clock::Real) {
@@ -115,6 +126,7 @@ void DesktopSimulation::advanceVirtual(double seconds) {
 Result<void> DesktopSimulation::stop() {
   if (!runner_) return {};
   (void)refresh();
+  if (reconnect_.valid()) reconnect_.wait();
   runner_->forceOff();
   runner_->stop();
   const RunReport report = runner_->report();
@@ -140,6 +152,32 @@ void DesktopSimulation::forceOff() {
 
 void DesktopSimulation::clearFault() {
   if (runner_) runner_->clearFault();
+}
+
+void DesktopSimulation::confirmCalibration() {
+  if (runner_) runner_->device().confirm();
+}
+
+bool DesktopSimulation::reconnecting() const {
+  return reconnect_.valid() &&
+         reconnect_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
+void DesktopSimulation::reconnect() {
+  if (!runner_ || reconnecting()) return;
+  triedAt_ = std::chrono::steady_clock::now();
+  reconnect_ =
+      std::async(std::launch::async, [&device = runner_->device()] { return device.reconnect(); });
+}
+
+/// A few times a second; while the device is gone it is looked for again by itself.
+void DesktopSimulation::lookAtDevice() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - lookedAt_ < kLookPeriod) return;
+  lookedAt_ = now;
+  condition_ = runner_->device().condition();
+  const bool gone = condition_.state == DeviceCondition::State::Gone && condition_.canReconnect;
+  if (gone && now - triedAt_ > kRetryPeriod) reconnect();
 }
 
 bool DesktopSimulation::send(const Command& command) {
@@ -170,6 +208,7 @@ void DesktopSimulation::turnHand(const Eigen::Vector3d& rotation_W) {
 
 const Snapshot* DesktopSimulation::refresh() {
   if (runner_ && runner_->snapshots().refresh()) last_ = runner_->snapshots().value();
+  if (runner_) lookAtDevice();
   return scene_ ? &last_ : nullptr;
 }
 
@@ -181,6 +220,9 @@ void DesktopSimulation::describe(ui::Model& model) const {
   simulate.recordedSeconds = recording() ? last_.t : 0.0;
   simulate.armed = armed_;
   simulate.hand = handKind_;
+  simulate.condition = condition_;
+  simulate.reconnecting = reconnecting();
+  simulate.loose = scene_ ? static_cast<int>(scene_->bodies.size()) : 0;
   if (scene_) {
     simulate.setting = scene_->scene.setting;
     const TreeStats& stats = scene_->tree->stats();
@@ -202,6 +244,13 @@ void DesktopSimulation::describe(ui::Model& model) const {
   if (last_.fault != SafetyFault::None) {
     model.health = ui::DeviceHealth::Fault;
     model.healthSentence = palpate::describe(last_.fault);
+  } else if (condition_.state == DeviceCondition::State::Problem ||
+             condition_.state == DeviceCondition::State::Gone) {
+    model.health = ui::DeviceHealth::Fault;
+    model.healthSentence = condition_.sentence;
+  } else if (condition_.state == DeviceCondition::State::Calibrating) {
+    model.health = ui::DeviceHealth::Late;
+    model.healthSentence = condition_.sentence;
   } else if (last_.ticksMissed > 0 && last_.tick > 0 &&
              static_cast<double>(last_.ticksMissed) > 0.01 * static_cast<double>(last_.tick)) {
     model.health = ui::DeviceHealth::Late;

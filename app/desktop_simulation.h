@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,9 @@ class DesktopSimulation {
   void arm(bool on);
   void forceOff();
   void clearFault();
+  void confirmCalibration();
+  /// On a thread of its own; retried by itself while the device is gone.
+  void reconnect();
   /// False: the queue of commands was full; nothing was taken.
   [[nodiscard]] bool send(const Command& command);
   void moveHand(const Eigen::Vector3d& delta_W);
@@ -55,6 +59,8 @@ class DesktopSimulation {
 
  private:
   void restSnapshot();
+  void lookAtDevice();
+  [[nodiscard]] bool reconnecting() const;
   [[nodiscard]] Result<std::unique_ptr<HapticDevice>> makeDevice();
   std::shared_ptr<const PreparedScene> scene_;
   std::string device_ = "touch-x";
@@ -67,6 +73,9 @@ class DesktopSimulation {
   std::unique_ptr<Recorder> recorder_;  // outlives the runner
   std::unique_ptr<Runner> runner_;
   Snapshot last_;
+  DeviceCondition condition_;
+  std::chrono::steady_clock::time_point lookedAt_, triedAt_;
+  std::future<Result<void>> reconnect_;  // waited for before the runner goes
   bool armed_ = false;
   Clock clock_ = Clock::Real;
 };

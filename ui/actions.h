@@ -97,6 +97,13 @@ struct SolverIterations {
   std::uint32_t count;
 };
 
+/// Of the coupling's recommended stiffness.
+struct Coupling {
+  int percent;
+};
+struct ConfirmCalibration {};
+struct Reconnect {};
+
 struct RefreshSessions {};
 struct ChooseSession {
   std::size_t index;
@@ -115,14 +122,16 @@ struct StayOpen {};
 
 namespace palpate::ui {
 
-using Action = std::variant<
-    act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse, act::Import,
-    act::ImportSeries, act::CloseSeriesList, act::ImportRepaired, act::MeasureAccuracy,
-    act::CancelJob, act::DismissMessage, act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo,
-    act::ChooseInstrument, act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop,
-    act::Record, act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
-    act::TurnHand, act::SolverIterations, act::RefreshSessions, act::ChooseSession, act::Replay,
-    act::PlayPause, act::Scrub, act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
+using Action =
+    std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
+                 act::Import, act::ImportSeries, act::CloseSeriesList, act::ImportRepaired,
+                 act::MeasureAccuracy, act::CancelJob, act::DismissMessage, act::Segment,
+                 act::DeleteLabel, act::ShowLabel, act::Undo, act::ChooseInstrument,
+                 act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop, act::Record,
+                 act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
+                 act::TurnHand, act::SolverIterations, act::Coupling, act::ConfirmCalibration,
+                 act::Reconnect, act::RefreshSessions, act::ChooseSession, act::Replay,
+                 act::PlayPause, act::Scrub, act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
 using Actions = std::vector<Action>;
 
 }  // namespace palpate::ui

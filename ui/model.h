@@ -113,8 +113,12 @@ struct SimulateModel {
   bool running = false, armed = false, recording = false;
   bool grabbed = false;  ///< The mouse holds the instrument.
   double recordedSeconds = 0;
-  DeviceInfo info;          ///< Of the chosen device.
-  std::string tree, shell;  ///< "4 levels, 123 456 surface voxels", "1 204 points, 0.5 mm"
+  DeviceInfo info;            ///< Of the chosen device.
+  DeviceCondition condition;  ///< What it says of itself while the simulation runs.
+  bool reconnecting = false;
+  int couplingPercent = 100;  ///< Of the recommended stiffness, as the user wants it.
+  int loose = 0;              ///< Loose bodies of the scene.
+  std::string tree, shell;    ///< "4 levels, 123 456 surface voxels", "1 204 points, 0.5 mm"
   SimulationSetting setting;
   std::string accuracy;  ///< "±0.12 mm ±0.05 N"; empty: not measured for this scene.
   bool realTime = false;

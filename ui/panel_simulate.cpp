@@ -84,8 +84,49 @@ std::string deviceTitle(const std::string& model) {
   if (model == "touch") return "Touch";
   if (model == "touch-x") return "Touch X";
   if (model == "premium-6dof") return "Premium";
+  if (model == "3d-mouse") return "3D mouse";
   if (model.rfind("phantom", 0) == 0) return "Phantom";
   return model;
+}
+
+std::string motorText(const std::vector<double>& temperatures) {
+  std::string text;
+  for (const double t : temperatures) {
+    char one[16];
+    std::snprintf(one, sizeof one, "%s%.0f", text.empty() ? "" : " \xc2\xb7 ", 100.0 * t);
+    text += one;
+  }
+  return text + " % of too hot";
+}
+
+/// What the device says of itself, and what the person can do about it.
+void drawCondition(const Painter& paint, const SimulateModel& simulate) {
+  if (!simulate.running) return;
+  const DeviceCondition& now = simulate.condition;
+  using State = DeviceCondition::State;
+  if (now.state != State::Ready) {
+    notice(
+        paint,
+        now.state == State::Calibrating ? MessageModel::Kind::Warning : MessageModel::Kind::Problem,
+        simulate.reconnecting ? "Looking for the device\xe2\x80\xa6" : now.sentence);
+  } else if (simulate.hardware) {
+    sentence(paint, now.sentence);
+  }
+  if (now.asksToConfirm &&
+      button(paint, icon::kCheck, "The arm is in place", Emphasis::Primary, -1.0F)) {
+    paint.actions.push_back(act::ConfirmCalibration{});
+  }
+  if (now.canReconnect &&
+      button(paint, icon::kReset, "Reconnect", Emphasis::Normal, -1.0F, !simulate.reconnecting)) {
+    paint.actions.push_back(act::Reconnect{});
+  }
+  if (!now.motorTemperature.empty()) keyValue(paint, "Motors", motorText(now.motorTemperature));
+  if (now.hasInkwell) keyValue(paint, "Stylus", now.docked ? "in the inkwell" : "in the hand");
+  if (simulate.hardware) {
+    keyValue(paint, "Button", (now.buttons & 1U) != 0 ? "held" : "not held");
+    if (!now.firmware.empty()) keyValue(paint, "Firmware", now.firmware);
+    if (!now.serial.empty()) keyValue(paint, "Serial", now.serial);
+  }
 }
 
 void drawDevice(const Painter& paint, const SimulateModel& simulate) {
@@ -97,6 +138,9 @@ void drawDevice(const Painter& paint, const SimulateModel& simulate) {
         segmented(paint, "device", names, simulate.device, !simulate.running);
     if (chosen != simulate.device) paint.actions.push_back(act::ChooseDevice{chosen});
   }
+  keyValue(paint, "Felt",
+           simulate.info.feelsTorque ? "force and torque" : "force; torque is drawn");
+  drawCondition(paint, simulate);
   if (simulate.hardware) return;
   const std::size_t hand = simulate.hand == HandKind::Mouse ? 0 : 1;
   const std::size_t picked =
@@ -150,19 +194,40 @@ void drawSafety(const Painter& paint, const Model& model, bool& spaceHolds) {
   }
 }
 
-void drawNumbers(const Painter& paint, const SimulateModel& simulate, bool busy) {
+/// Gains in force, the user's share of them, and what the machine leaves of it.
+void drawCoupling(const Painter& paint, const SimulateModel& simulate, const Snapshot* snapshot) {
+  const DeviceInfo& d = simulate.info;
+  const bool live = simulate.running && snapshot != nullptr && snapshot->coupling.stiffness > 0.0;
+  const double K =
+      live ? snapshot->coupling.stiffness : 0.01 * simulate.couplingPercent * d.couplingStiffness;
+  char text[96];
+  std::snprintf(text, sizeof text, "%.2f N/mm, %.1f N\xc2\xb7s/m", K / 1000.0, d.couplingDamping);
+  keyValue(paint, "Coupling", text);
+  std::snprintf(text, sizeof text, "%.2f N\xc2\xb7m/rad",
+                d.couplingStiffnessR * K / d.couplingStiffness);
+  keyValue(paint, "Turning", text);
+  int percent = simulate.couplingPercent;
+  if (slider(paint, "Stiffness, % of stable", percent, 10, 100)) {
+    paint.actions.push_back(act::Coupling{percent});
+  }
+  if (live && 100.0 * K < (simulate.couplingPercent - 1) * d.couplingStiffness) {
+    std::snprintf(text, sizeof text, "Softer for now: a step takes %.0f ms on this machine.",
+                  1e3 * snapshot->stepPeriod);
+    sentence(paint, text);
+  }
+}
+
+void drawNumbers(const Painter& paint, const SimulateModel& simulate, const Snapshot* snapshot,
+                 bool busy) {
   section(paint, "SPEED AND ACCURACY");
   if (simulate.ready) {
     keyValue(paint, "Sphere tree", simulate.tree);
     keyValue(paint, "Point shell", simulate.shell);
+    if (simulate.loose > 0) keyValue(paint, "Loose bodies", std::to_string(simulate.loose));
   }
   const DeviceInfo& d = simulate.info;
+  drawCoupling(paint, simulate, snapshot);
   char text[96];
-  std::snprintf(text, sizeof text, "%.2f N/mm, %.1f N\xc2\xb7s/m", d.couplingStiffness / 1000.0,
-                d.couplingDamping);
-  keyValue(paint, "Coupling", text);
-  std::snprintf(text, sizeof text, "%.2f N\xc2\xb7m/rad", d.couplingStiffnessR);
-  keyValue(paint, "Turning", text);
   const SafetyLimits limits = recommendedLimits(d);
   std::snprintf(text, sizeof text, "%.1f N, %.2f N for long", limits.peakForce,
                 limits.continuousForce);
@@ -224,7 +289,7 @@ void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHold
   drawSafety(paint, model, spaceHolds);
   drawInstruments(paint, simulate);
   drawDevice(paint, simulate);
-  drawNumbers(paint, simulate, model.job.active);
+  drawNumbers(paint, simulate, model.snapshot, model.job.active);
 }
 
 }  // namespace palpate::ui

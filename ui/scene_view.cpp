@@ -157,6 +157,7 @@ void SceneView::composite(const Snapshot& snapshot, const Theme& theme) {
   composite_.bind();
   const double aspect = aspectOf(composite_);
   const double height = composite_.height();
+  bodies_.draw(anatomy_, snapshot, last_.camera, origin_mm_, aspect);
   contacts_.update(snapshot, origin_mm_);
   tool_.draw(snapshot, last_.camera, origin_mm_, aspect, height, theme);
   contacts_.draw(last_.camera, origin_mm_, aspect, height);

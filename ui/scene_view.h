@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/scene/instrument.h"
+#include "ui/body_layer.h"
 #include "ui/contact_impostors.h"
 #include "ui/gl_objects.h"
 #include "ui/layout.h"
@@ -30,6 +31,7 @@ class SceneView {
       const std::filesystem::path& shaders);
 
   [[nodiscard]] SurfaceLayer& surface() noexcept { return surface_; }
+  [[nodiscard]] BodyLayer& bodies() noexcept { return bodies_; }
   [[nodiscard]] ToolLayer& tool() noexcept { return tool_; }
   [[nodiscard]] VolumeLayer& volume() noexcept { return volume_; }
   void setOrigin(const Eigen::Vector3d& origin_mm) { origin_mm_ = origin_mm; }
@@ -62,6 +64,7 @@ class SceneView {
 
   GlProgram backdrop_, anatomy_, occlusion_;
   SurfaceLayer surface_;
+  BodyLayer bodies_;
   ToolLayer tool_;
   VolumeLayer volume_;
   ContactImpostors contacts_;

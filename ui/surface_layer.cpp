@@ -1,8 +1,23 @@
 #include "ui/surface_layer.h"
 
+#include <algorithm>
+
 #include "ui/gl_api.h"
 
 namespace palpate::ui {
+
+GlMesh meshOf(const SurfaceChunk& chunk, const Eigen::Vector3d& origin_mm) {
+  std::vector<float> interleaved;
+  interleaved.reserve(chunk.vertices_mm.size() * 2);
+  for (std::size_t v = 0; v + 2 < chunk.vertices_mm.size(); v += 3) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      interleaved.push_back(static_cast<float>(static_cast<double>(chunk.vertices_mm[v + c]) -
+                                               origin_mm[static_cast<Eigen::Index>(c)]));
+    }
+    for (std::size_t c = 0; c < 3; ++c) interleaved.push_back(chunk.normals[v + c]);
+  }
+  return makeMesh(interleaved, chunk.triangles);
+}
 
 void SurfaceLayer::setLabel(std::uint8_t value, const std::vector<SurfaceChunk>& chunks,
                             const Eigen::Vector3d& origin_mm) {
@@ -10,23 +25,22 @@ void SurfaceLayer::setLabel(std::uint8_t value, const std::vector<SurfaceChunk>&
   label.chunks.clear();
   label.low_mm = Eigen::Vector3d::Constant(1e30);
   label.high_mm = -label.low_mm;
-  std::vector<float> interleaved;
   for (const SurfaceChunk& chunk : chunks) {
     if (chunk.triangles.empty()) continue;
-    interleaved.clear();
-    interleaved.reserve(chunk.vertices_mm.size() * 2);
     for (std::size_t v = 0; v + 2 < chunk.vertices_mm.size(); v += 3) {
       const Eigen::Vector3d p =
           Eigen::Map<const Eigen::Vector3f>(&chunk.vertices_mm[v]).cast<double>();
       label.low_mm = label.low_mm.cwiseMin(p);
       label.high_mm = label.high_mm.cwiseMax(p);
-      for (std::size_t c = 0; c < 3; ++c) {
-        interleaved.push_back(static_cast<float>(static_cast<double>(chunk.vertices_mm[v + c]) -
-                                                 origin_mm[static_cast<Eigen::Index>(c)]));
-      }
-      for (std::size_t c = 0; c < 3; ++c) interleaved.push_back(chunk.normals[v + c]);
     }
-    label.chunks.push_back(makeMesh(interleaved, chunk.triangles));
+    label.chunks.push_back(meshOf(chunk, origin_mm));
+  }
+  ++version_;
+}
+
+void SurfaceLayer::setLoose(const std::vector<std::uint8_t>& values) {
+  for (auto& [value, label] : labels_) {
+    label.loose = std::find(values.begin(), values.end(), value) != values.end();
   }
   ++version_;
 }
@@ -53,7 +67,7 @@ void SurfaceLayer::draw(const GlProgram& program) const {
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   for (const auto& [value, label] : labels_) {
-    if (!label.visible) continue;
+    if (!label.visible || label.loose) continue;
     program.set("baseColour", label.colour);
     for (const GlMesh& chunk : label.chunks) drawMesh(chunk);
   }

@@ -13,6 +13,9 @@
 
 namespace palpate::ui {
 
+/// A chunk on the graphics card, its vertices minus `origin_mm`.
+[[nodiscard]] GlMesh meshOf(const SurfaceChunk& chunk, const Eigen::Vector3d& origin_mm);
+
 class SurfaceLayer {
  public:
   /// Replaces a label's chunks. Vertices are stored minus `origin_mm`.
@@ -20,6 +23,8 @@ class SurfaceLayer {
                 const Eigen::Vector3d& origin_mm);
   void clear();
   void setRows(const std::vector<LabelRow>& rows);
+  /// These labels are drawn as loose bodies, not here.
+  void setLoose(const std::vector<std::uint8_t>& values);
   /// With the program of mesh.vert + anatomy.frag in use and its matrices set.
   void draw(const GlProgram& program) const;
 
@@ -35,6 +40,7 @@ class SurfaceLayer {
     Eigen::Vector3d low_mm = Eigen::Vector3d::Zero(), high_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3f colour{0.89F, 0.83F, 0.69F};
     bool visible = true;
+    bool loose = false;
   };
   std::map<std::uint8_t, Label> labels_;
   std::uint64_t version_ = 0;

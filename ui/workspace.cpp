@@ -50,6 +50,14 @@ void Workspace::showRows(const std::vector<LabelRow>& rows) {
 
 void Workspace::showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks) {
   scene_->surface().setLabel(label, chunks, scene_->origin_mm());
+  scene_->surface().setLoose(loose_);
+}
+
+void Workspace::showBodies(const std::vector<BodySurface>& bodies) {
+  loose_.clear();
+  for (const BodySurface& body : bodies) loose_.push_back(body.label);
+  scene_->bodies().setBodies(bodies, scene_->origin_mm());
+  scene_->surface().setLoose(loose_);
 }
 
 void Workspace::frameSurfaces() {
@@ -62,6 +70,7 @@ void Workspace::frameSurfaces() {
 }
 
 void Workspace::clearSurfaces() {
+  showBodies({});
   scene_->surface().clear();
 }
 
@@ -72,6 +81,7 @@ void Workspace::showInstrument(const Instrument& instrument) {
 
 void Workspace::clearCase() {
   textures_.clear();
+  showBodies({});
   scene_->surface().clear();
 }
 

@@ -31,6 +31,8 @@ class Workspace {
 
   void showVolume(const Volume& volume);
   void showLabels(const LabelGrid* labels);  ///< Null: none.
+  /// The scene's loose bodies; their labels are no longer drawn as anatomy. Empty: none.
+  void showBodies(const std::vector<BodySurface>& bodies);
   void showRows(const std::vector<LabelRow>& rows);
   void showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks);
   void clearSurfaces();
@@ -67,6 +69,7 @@ class Workspace {
   void fill(std::optional<View> view) { state_.filled = view; }
 
   VolumeTextures textures_;
+  std::vector<std::uint8_t> loose_;  ///< Labels of loose bodies.
   std::unique_ptr<SceneView> scene_;
   std::array<SliceView, 3> slices_;
   GlProgram sliceProgram_;
