@@ -103,7 +103,9 @@ LoopResult runLoop(const LoopCase& loop) {
   auto made = makeSimulatedPhantom(loop.model, loop.hand ? loop.hand : makeSearchingHand(loop.seed),
                                    loop.seed, loop.grip, loop.arm);
   if (!made) throw std::runtime_error(sentence(made.error()));
-  HapticDevice& device = **made;
+  const std::unique_ptr<HapticDevice> held =
+      loop.wrap ? loop.wrap(std::move(*made)) : std::move(*made);
+  HapticDevice& device = *held;
   if (!device.open()) throw std::runtime_error("the device did not open");
 
   ServoSettings settings;

@@ -47,6 +47,8 @@ struct LoopCase {
   std::uint64_t seed = 1;
   Shape shape = wall();
   std::shared_ptr<Hand> hand;  ///< Empty: the searching hand.
+  /// Puts another device before the simulated one; may be empty.
+  std::function<std::unique_ptr<HapticDevice>(std::unique_ptr<HapticDevice>)> wrap;
   /// Between the ticks, for stalls and faults: false = the simulation does not step.
   std::function<bool(std::uint64_t tick, ServoLoop& servo)> meddle;
 };
