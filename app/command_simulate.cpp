@@ -5,6 +5,7 @@
 #include "app/command.h"
 #include "app/commands.h"
 #include "app/program_paths.h"
+#include "app/run_report.h"
 #include "app/run_sinks.h"
 #include "app/scene_loading.h"
 #include "app/setting_report.h"
@@ -33,6 +34,7 @@ struct SimulateOptions {
   fs::path hand, record, samples, steps, bodies;
   double seconds = kDefaultSeconds;
   std::uint64_t seed = 1;
+  int servoCpu = -1;
 };
 
 /// The hardware, moved by whoever holds it: only in real time, and by no hand of ours.
@@ -164,30 +166,6 @@ Result<void> runOnRealClock(Runner& runner, double seconds, const Progress& prog
   return {};
 }
 
-ordered_json reportJson(const RunReport& report, const PreparedScene& scene) {
-  ordered_json json;
-  json["clock"] = report.clock == Clock::Virtual ? "virtual" : "real";
-  json["seed"] = report.seed;
-  json["steps"] = report.steps;
-  json["ticks"] = report.ticks;
-  json["step_us"] = timingJson(report.stepTime);
-  json["tick_us"] = timingJson(report.tickTime);
-  json["lateness_us"] = timingJson(report.lateness);
-  json["ticks_late"] = report.ticksLate;
-  json["ticks_missed"] = report.ticksMissed;
-  json["contacts_max"] = report.contactsMax;
-  json["force_max_N"] = report.forceMax;
-  json["torque_max_Nm"] = report.torqueMax;
-  json["penetration_max_mm"] = millimetres(report.penetrationMax);
-  json["hand_energy_J"] = report.handEnergy;
-  json["recorder_drops"] = report.recorderDrops;
-  json["state_hash"] = hashText(report.stateHash);
-  json["setting"] = settingJson(scene.scene.setting);
-  json["setting"]["instrument"] = scene.scene.instrument;
-  json["setting"]["device"] = scene.scene.device;
-  return json;
-}
-
 std::string timingText(const Timing& timing) {
   return decimal(timing.p50, 1) + " / " + decimal(timing.p99, 1) + " / " + decimal(timing.p999, 1) +
          " / " + decimal(timing.max, 1) + " µs";
@@ -202,6 +180,7 @@ std::string reportText(const RunReport& report) {
   table.add({"tick p50 / p99 / p99.9 / max", timingText(report.tickTime)});
   if (report.clock == Clock::Real) {
     table.add({"late p50 / p99 / p99.9 / max", timingText(report.lateness)});
+    if (report.servoCpu >= 0) table.add({"servo's processor", std::to_string(report.servoCpu)});
     table.add({"ticks late, missed",
                std::to_string(report.ticksLate) + ", " + std::to_string(report.ticksMissed)});
   }
@@ -297,6 +276,7 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   RunOptions run;
   run.clock = options.clock == "real" ? Clock::Real : Clock::Virtual;
   run.seed = options.seed;
+  run.servoCpu = options.servoCpu;
   RunTables tables(options, **scene);
   PendingRecording recording;
   TeeSink tee;
@@ -323,7 +303,7 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
     return fail(finished.error());
   }
   CommandOutput output;
-  output.json = reportJson(report, **scene);
+  output.json = runReportJson(report, **scene);
   output.text = reportText(report);
   if (options.explain) explainPlan((*scene)->plan, output);
   output.warnings = warningsOf(report, tables.dropped());
@@ -360,6 +340,9 @@ void addSimulateCommand(CommandSet& commands) {
       ->check(CLI::IsMember({"virtual", "real"}))
       ->capture_default_str();
   sub->add_option("--seed", options->seed, "Of the hand and the device")->capture_default_str();
+  sub->add_option("--servo-cpu", options->servoCpu,
+                  "Processor for the servo in real time (default: an isolated one, if any)")
+      ->check(CLI::Range(0, 1023));
   sub->add_option("--record", options->record, "Session file to write");
   sub->add_option("--samples", options->samples, "CSV to write, one row a servo tick");
   sub->add_option("--steps", options->steps, "CSV to write, one row a simulation step");

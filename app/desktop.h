@@ -31,6 +31,11 @@ struct DesktopOptions {
   std::optional<std::filesystem::path>
       uiScript;  ///< Input events fed to the window (ui/ui_script.h).
 
+  /// Above 0: the built-in hand works for so many seconds on the real clock, then the run's report
+  /// is written and the window closes.
+  double soak_s = 0.0;
+  std::filesystem::path soakReport;
+
   std::string task;      ///< "library", "segment", "simulate", "review"; empty: what fits the case.
   float uiScale = 0.0F;  ///< 0: from the display.
   bool lightTheme = false;

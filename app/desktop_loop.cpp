@@ -1,6 +1,8 @@
 #include "app/desktop_loop.h"
 
 #include "app/desktop_signals.h"
+#include "app/run_report.h"
+#include "core/base/whole_file.h"
 
 #include <algorithm>
 #include <chrono>
@@ -71,10 +73,10 @@ Result<std::unique_ptr<Desktop>> Desktop::open(const DesktopOptions& options) {
   model.library.recent = self->recent_.list();
   model.task = taskNamed(options.task).value_or(ui::Task::Library);
   model.hideTimes = options.screenshot.has_value();
-  model.simulate.latch = options.demoHand;
-  self->simulation_.setHand(options.demoHand || options.screenshot ? ui::HandKind::Demo
-                                                                   : ui::HandKind::Mouse);
-  self->startAfterPrepare_ = options.demoHand || options.screenshot.has_value();
+  const bool demo = options.demoHand || options.soak_s > 0.0;
+  model.simulate.latch = demo;
+  self->simulation_.setHand(demo || options.screenshot ? ui::HandKind::Demo : ui::HandKind::Mouse);
+  self->startAfterPrepare_ = demo || options.screenshot.has_value();
   self->lookForDevices();
   self->readDatasets();
   self->openFirstCase();
@@ -158,7 +160,7 @@ Result<void> Desktop::run() {
   int settle = 3;  // frames after an event: Dear ImGui answers an input a frame later
   bool quit = false;
   const DesktopSignals signals;
-  while (!quit && !mayClose() && !DesktopSignals::askedToClose()) {
+  while (!quit && !mayClose() && !DesktopSignals::askedToClose() && !soaked()) {
     std::optional<fs::path> screenshot;
     const auto asked = scriptFrame(screenshot);
     if (!asked) return fail(asked.error());
@@ -181,11 +183,35 @@ Result<void> Desktop::run() {
     if (screenshot) {
       if (auto written = ui::writePng(window_->picture(), *screenshot); !written) return written;
     }
-    const double spare = frame - (monotonic() - before);
+    const double took = monotonic() - before;
+    if (options_.soak_s > 0.0 && simulation_.running()) {
+      frames_.add(static_cast<std::int64_t>(1e9 * took));
+    }
+    const double spare = frame - took;
     if (awake && spare > 0.0) std::this_thread::sleep_for(Seconds(spare));
   }
+  const Result<void> reported = options_.soak_s > 0.0 ? writeSoakReport() : Result<void>();
   stopRun();
-  return {};
+  return reported;
+}
+
+bool Desktop::soaked() const {
+  if (options_.soak_s <= 0.0) return false;
+  return refused_ || (model_.snapshot != nullptr && model_.snapshot->t >= options_.soak_s);
+}
+
+Result<void> Desktop::writeSoakReport() {
+  const auto report = simulation_.report();
+  if (!report || simulation_.scene() == nullptr) {
+    return fail(usageError("The soak had nothing to run.")
+                    .advise("Give a case with a label: --case CASE."));
+  }
+  nlohmann::ordered_json json = runReportJson(*report, *simulation_.scene());
+  const Timing timing = frames_.timing();
+  json["frames"] = frames_.count();
+  json["frame_ms"] = {
+      {"p50", timing.p50 / 1e3}, {"p99", timing.p99 / 1e3}, {"max", timing.max / 1e3}};
+  return writeWholeFile(options_.soakReport, json.dump(1) + "\n");
 }
 
 Result<void> Desktop::renderPicture() {

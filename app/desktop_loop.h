@@ -17,6 +17,7 @@
 #include "app/desktop_simulation.h"
 #include "core/devices/device_list.h"
 #include "core/scene/material.h"
+#include "core/simulation/histogram.h"
 #include "ui/workspace.h"
 
 namespace palpate {
@@ -38,6 +39,9 @@ class Desktop {
   void carryOut(const ui::Actions& actions);
   void carryOutOne(const ui::Action& action);
   [[nodiscard]] bool mayClose();
+  /// True when the soak's time is over.
+  [[nodiscard]] bool soaked() const;
+  [[nodiscard]] Result<void> writeSoakReport();
   [[nodiscard]] Result<bool> scriptFrame(std::optional<std::filesystem::path>& screenshot);
   void say(ui::MessageModel message);
   void complain(const Error& error, const std::string& meaning = {});
@@ -99,6 +103,7 @@ class Desktop {
   std::optional<ui::UiScript> script_;
   std::deque<float> forceTrace_;
   std::string sceneInstrument_;
+  Histogram frames_;  ///< Of a soak: what a frame takes.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;
   JobQueue jobs_;  // last: its thread ends before what it reads goes

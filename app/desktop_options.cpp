@@ -18,6 +18,14 @@ void addDesktopOptions(CLI::App& program, DesktopOptions& options) {
   group(app.add_option("--task", options.task, "Task to open on")
             ->check(CLI::IsMember({"library", "segment", "simulate", "review"})));
   group(app.add_flag("--demo-hand", options.demoHand, "Start with the built-in hand, running"));
+  CLI::Option* soak = app.add_option("--soak", options.soak_s,
+                                     "Seconds to work under the built-in hand, then report")
+                          ->check(CLI::Range(1.0, 86400.0));
+  group(soak);
+  CLI::Option* report = app.add_option("--report", options.soakReport, "JSON that --soak writes");
+  group(report);
+  soak->needs(report);
+  report->needs(soak);
   group(app.add_option("--screenshot", options.screenshot,
                        "Render --frames frames deterministically, write this PNG and leave"));
   group(app.add_option("--frames", options.frames, "Frames before the picture")

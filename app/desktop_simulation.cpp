@@ -140,6 +140,11 @@ Result<void> DesktopSimulation::stop() {
   return recorder->finish(report);
 }
 
+std::optional<RunReport> DesktopSimulation::report() const {
+  if (!runner_) return std::nullopt;
+  return runner_->report();
+}
+
 void DesktopSimulation::arm(bool on) {
   armed_ = on && runner_ != nullptr;
   if (runner_) runner_->setEnabled(on);

@@ -41,6 +41,9 @@ class DesktopSimulation {
   [[nodiscard]] bool running() const noexcept { return runner_ != nullptr; }
   [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
 
+  /// Of the run so far; nothing while none runs.
+  [[nodiscard]] std::optional<RunReport> report() const;
+
   void arm(bool on);
   void forceOff();
   void clearFault();

@@ -120,7 +120,10 @@ void drawCondition(const Painter& paint, const SimulateModel& simulate) {
       button(paint, icon::kReset, "Reconnect", Emphasis::Normal, -1.0F, !simulate.reconnecting)) {
     paint.actions.push_back(act::Reconnect{});
   }
-  if (!now.motorTemperature.empty()) keyValue(paint, "Motors", motorText(now.motorTemperature));
+  // Cold simulated motors are nobody's concern.
+  const auto hottest = std::max_element(now.motorTemperature.begin(), now.motorTemperature.end());
+  const bool tell = hottest != now.motorTemperature.end() && (simulate.hardware || *hottest > 0.5);
+  if (tell) keyValue(paint, "Motors", motorText(now.motorTemperature));
   if (now.hasInkwell) keyValue(paint, "Stylus", now.docked ? "in the inkwell" : "in the hand");
   if (simulate.hardware) {
     keyValue(paint, "Button", (now.buttons & 1U) != 0 ? "held" : "not held");

@@ -45,4 +45,16 @@ Timing Histogram::timing() const noexcept {
           static_cast<double>(max_) * kMicros};
 }
 
+DurationBins Histogram::bins() const noexcept {
+  DurationBins out;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    if (bins_[bin] == 0) continue;
+    const double micros = middleOf(bin) * 1e-3;
+    std::size_t i = 0;
+    while (i < DurationBins::kEnds.size() && micros >= DurationBins::kEnds[i]) ++i;
+    out.count[i] += bins_[bin];
+  }
+  return out;
+}
+
 }  // namespace palpate

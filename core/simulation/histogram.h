@@ -8,6 +8,14 @@
 
 namespace palpate {
 
+/// How many durations fell between two bounds, µs; the last has no upper bound.
+struct DurationBins {
+  /// 1, 2, 5, 10, ... 100 000 µs: bin i ends at kEnds[i].
+  static constexpr std::array<double, 16> kEnds{1,   2,    5,    10,   20,    50,    100,   200,
+                                                500, 1000, 2000, 5000, 10000, 20000, 50000, 100000};
+  std::array<std::uint64_t, kEnds.size() + 1> count{};
+};
+
 /// Real-time safe; one thread at a time. A percentile is right within 1.6 % (half a bin of 1/32
 /// octave); the maximum is exact.
 class Histogram {
@@ -17,7 +25,8 @@ class Histogram {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   /// Nanoseconds that at least `share` (0..1] of the samples do not exceed; 0 without samples.
   [[nodiscard]] double percentile(double share) const noexcept;
-  [[nodiscard]] Timing timing() const noexcept;  ///< µs
+  [[nodiscard]] Timing timing() const noexcept;      ///< µs
+  [[nodiscard]] DurationBins bins() const noexcept;  ///< Coarse, for a report; right within 1.6 %.
 
  private:
   static constexpr unsigned kSubBits = 5;  // 32 bins an octave

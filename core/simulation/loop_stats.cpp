@@ -22,6 +22,7 @@ void ServoStats::tick(const ServoSample& sample, std::int64_t nanoseconds) noexc
   figures_.forceMax = std::max(figures_.forceMax, length(sample.wrench.force));
   figures_.torqueMax = std::max(figures_.torqueMax, length(sample.wrench.torque));
   figures_.handEnergy = sample.handEnergy;
+  figures_.handEnergyMin = std::min(figures_.handEnergyMin, sample.handEnergy);
 }
 
 void ServoStats::woke(std::int64_t nanoseconds) noexcept {
@@ -40,6 +41,8 @@ ServoFigures ServoStats::figures() const noexcept {
   ServoFigures all = figures_;
   all.tickTime = tick_.timing();
   all.lateness = lateness_.timing();
+  all.tickBins = tick_.bins();
+  all.latenessBins = lateness_.bins();
   return all;
 }
 
@@ -63,6 +66,7 @@ bool StepStats::windowEnded(std::uint64_t window) noexcept {
 StepFigures StepStats::figures() const noexcept {
   StepFigures all = figures_;
   all.stepTime = step_.timing();
+  all.stepBins = step_.bins();
   return all;
 }
 
@@ -82,6 +86,10 @@ RunReport reportOf(const RunOptions& options, const ServoFigures& servo, const S
   report.torqueMax = servo.torqueMax;
   report.penetrationMax = step.penetrationMax;
   report.handEnergy = servo.handEnergy;
+  report.handEnergyMin = servo.handEnergyMin;
+  report.stepBins = step.stepBins;
+  report.tickBins = servo.tickBins;
+  report.latenessBins = servo.latenessBins;
   report.recorderDrops = servo.drops + step.drops;
   report.stateHash = step.stateHash;
   return report;

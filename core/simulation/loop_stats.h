@@ -16,7 +16,8 @@ struct ServoFigures {
   std::uint64_t ticks = 0, late = 0, missed = 0, drops = 0;
   Timing tickTime, lateness;  ///< Whole run.
   Timing lastSecond;          ///< Of tickTime.
-  double forceMax = 0, torqueMax = 0, handEnergy = 0;
+  DurationBins tickBins, latenessBins;
+  double forceMax = 0, torqueMax = 0, handEnergy = 0, handEnergyMin = 0;
 };
 static_assert(std::is_trivially_copyable_v<ServoFigures>);
 
@@ -24,6 +25,7 @@ static_assert(std::is_trivially_copyable_v<ServoFigures>);
 struct StepFigures {
   std::uint64_t steps = 0, drops = 0, stateHash = 0;
   Timing stepTime, lastSecond;
+  DurationBins stepBins;
   std::uint32_t contactsMax = 0;
   double penetrationMax = 0;
 };

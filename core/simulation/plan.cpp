@@ -35,6 +35,11 @@ void addLabels(const PreparedScene& prepared, const std::vector<std::uint8_t>& f
   }
   for (const auto& label : prepared.table) {
     if (std::find(feltValues.begin(), feltValues.end(), label.value) != feltValues.end()) continue;
+    const auto& bodies = prepared.bodies;
+    const bool moves = std::any_of(bodies.begin(), bodies.end(), [&label](const PreparedBody& b) {
+      return b.label == label.value;
+    });
+    if (moves) continue;  // it has rows of its own
     plan.push_back({"label " + label.name, false,
                     voxels[label.value] == 0 ? "it has no voxel" : "the scene does not name it",
                     0});

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 
 namespace palpate {
 namespace {
@@ -34,6 +35,25 @@ std::string askForRealTime(pthread_t thread, int priority) {
   return std::string("The system refused real-time priority (") + std::strerror(code) +
          "). To allow it, put \"@audio - rtprio 90\" and \"@audio - memlock unlimited\" into "
          "/etc/security/limits.d/palpate.conf, add the user to the group audio, and log in again.";
+}
+
+int isolatedProcessor() {
+  std::ifstream list("/sys/devices/system/cpu/isolated");
+  int first = -1;
+  if (!(list >> first)) return -1;  // an empty file: none
+  return first;
+}
+
+bool bindToProcessor(pthread_t thread, int processor) noexcept {
+  if (processor < 0 || processor >= CPU_SETSIZE) return false;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(processor), &set);
+  return ::pthread_setaffinity_np(thread, sizeof(set), &set) == 0;
+}
+
+void nameThread(pthread_t thread, const char* name) noexcept {
+  (void)::pthread_setname_np(thread, name);
 }
 
 LockedMemory::LockedMemory(const void* start, std::size_t bytes) noexcept

@@ -17,6 +17,13 @@ void sleepUntil(std::int64_t deadline) noexcept;
 /// Asks for SCHED_FIFO for a thread. Returns an empty text, or why not and how to allow it.
 [[nodiscard]] std::string askForRealTime(pthread_t thread, int priority);
 
+/// The first processor that the system keeps free of other work (isolcpus); -1: none, or unknown.
+[[nodiscard]] int isolatedProcessor();
+/// Binds a thread to one processor; false where the system says no or there is none of that number.
+[[nodiscard]] bool bindToProcessor(pthread_t thread, int processor) noexcept;
+/// As tools show it; at most 15 letters.
+void nameThread(pthread_t thread, const char* name) noexcept;
+
 /// Locks a range of memory for its lifetime. Where the limit does not allow it, says so by
 /// locked(), and nothing else changes.
 class LockedMemory {

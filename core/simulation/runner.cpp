@@ -106,6 +106,7 @@ class LoopRunner final : public Runner {
   std::thread servoThread_, stepThread_;
   std::atomic<bool> running_{false};  ///< The two threads of the real clock.
   std::int64_t vendorDue_ = 0;        ///< Vendor's servo thread.
+  int servoCpu_ = -1;
   bool realTime_ = false;
   std::string realTimeNote_;
 };
@@ -254,6 +255,7 @@ Result<void> LoopRunner::start() {
     stepThread();
   });
   running_ = true;
+  nameThread(stepThread_.native_handle(), "palpate-step");
   realTimeNote_ = askForRealTime(stepThread_.native_handle(), kStepPriority);
   if (auto started = startServo(); !started) {
     stop();
@@ -269,6 +271,16 @@ Result<void> LoopRunner::startServo() {
     return device_->startServo(&LoopRunner::vendorTick, this);
   }
   servoThread_ = std::thread([this] { servoThread(); });
+  nameThread(servoThread_.native_handle(), "palpate-servo");
+  const int wanted = options_.servoCpu >= 0 ? options_.servoCpu : isolatedProcessor();
+  if (bindToProcessor(servoThread_.native_handle(), wanted)) {
+    servoCpu_ = wanted;
+  } else if (options_.servoCpu >= 0) {
+    return fail(machineError("The servo could not be bound to that processor.")
+                    .inField("--servo-cpu")
+                    .butFound(std::to_string(options_.servoCpu))
+                    .wants("a processor of this machine that the program may use"));
+  }
   const std::string note = askForRealTime(servoThread_.native_handle(), kServoPriority);
   if (!note.empty()) realTimeNote_ = note;
   return {};
@@ -302,6 +314,7 @@ RunReport LoopRunner::report() const {
   }
   report.realTimePriority = realTime_;
   report.realTimeNote = realTimeNote_;
+  report.servoCpu = servoCpu_;
   return report;
 }
 

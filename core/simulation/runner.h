@@ -18,6 +18,7 @@
 #include "core/dynamics/loose_body.h"
 #include "core/haptics/device.h"
 #include "core/haptics/servo_loop.h"
+#include "core/simulation/histogram.h"
 #include "core/simulation/prepared_scene.h"
 #include "core/simulation/snapshot.h"
 
@@ -30,15 +31,18 @@ struct RunReport {
   Clock clock = Clock::Virtual;
   std::uint64_t seed = 0, steps = 0, ticks = 0;
   Timing stepTime, tickTime, lateness;  ///< µs, over the whole run
+  DurationBins stepBins, tickBins, latenessBins;
   std::uint64_t ticksLate = 0, ticksMissed = 0;
   std::uint32_t contactsMax = 0;
   double forceMax = 0, torqueMax = 0;  ///< N, N·m
   double penetrationMax = 0;           ///< m
-  double handEnergy = 0;               ///< J
+  double handEnergy = 0;               ///< J, taken from the hand; at the end
+  double handEnergyMin = 0;            ///< J, the lowest: below 0 the hand was given energy.
   std::uint64_t recorderDrops = 0;
   std::uint64_t stateHash = 0;  ///< Of every step's state, chained.
   bool realTimePriority = false;
   std::string realTimeNote;  ///< Why not, and how to allow it.
+  int servoCpu = -1;         ///< The processor that the servo was bound to; -1: none.
 };
 
 /// Applied between steps, in order (design: ui -> simulation).
@@ -95,6 +99,9 @@ class RunSink {
 struct RunOptions {
   Clock clock = Clock::Virtual;
   std::uint64_t seed = 1;
+  /// The processor to bind the servo's thread to; -1: an isolated one where the system has any,
+  /// else none. A vendor's own thread is not ours to bind.
+  int servoCpu = -1;
   bool latchEnabled = false;  ///< Hold-to-enable is a latch. Simulated devices only.
   RunSink* sink = nullptr;    ///< Outlives the run.
 };
