@@ -46,7 +46,7 @@ struct ResponseSettings {
   bool friction = true;
   double allowedDepth = 2e-5;      ///< m left in, so that a resting contact persists.
   double pushFraction = 0.3;       ///< Of the remaining depth, removed a step.
-  double pushSpeed = 0.1;          ///< m/s: depth is never removed faster than this.
+  double pushSpeed = 0.095;        ///< m/s: depth is never removed faster than this.
   double restitutionSpeed = 0.02;  ///< m/s: slower approaches do not bounce (no buzzing at rest).
   double tolerance = 1e-5;         ///< m/s: approach or slip below this counts as none.
 };
