@@ -155,10 +155,37 @@ TEST_F(OnABall, Tree) {
 TEST_F(OnABall, SimulateTouchesTheBall) {
   const json found =
       result({"simulate", at("case"), "--headless", "--seconds", "4", "--seed", "7"});
-  expectKeys(found,
-             {"clock", "seed", "steps", "ticks", "step_us", "tick_us", "lateness_us", "ticks_late",
-              "ticks_missed", "contacts_max", "force_max_N", "torque_max_Nm", "penetration_max_mm",
-              "hand_energy_J", "recorder_drops", "state_hash", "setting"});
+  expectKeys(found, {"clock",
+                     "seed",
+                     "steps",
+                     "ticks",
+                     "step_us",
+                     "tick_us",
+                     "lateness_us",
+                     "ticks_late",
+                     "ticks_missed",
+                     "contacts_max",
+                     "force_max_N",
+                     "torque_max_Nm",
+                     "penetration_max_mm",
+                     "hand_energy_J",
+                     "hand_energy_min_J",
+                     "recorder_drops",
+                     "step_histogram",
+                     "tick_histogram",
+                     "lateness_histogram",
+                     "real_time",
+                     "servo_cpu",
+                     "state_hash",
+                     "setting"});
+  std::uint64_t counted = 0;
+  for (const json& bin : found["step_histogram"]) {
+    expectKeys(bin, {"from_us", "to_us", "count"});
+    counted += static_cast<std::uint64_t>(bin["count"]);
+  }
+  EXPECT_EQ(counted, found["steps"]);
+  EXPECT_LE(found["hand_energy_min_J"], found["hand_energy_J"]);
+  EXPECT_GE(found["hand_energy_min_J"], -20e-6);
   for (const char* name : {"step_us", "tick_us", "lateness_us"}) {
     expectKeys(found[name], {"p50", "p99", "p999", "max"});
   }
@@ -177,6 +204,29 @@ TEST_F(OnABall, ExplainSaysWhatIsModelled) {
   ASSERT_TRUE(found["plan"].is_array());
   ASSERT_FALSE(found["plan"].empty());
   for (const json& row : found["plan"]) expectKeys(row, {"what", "modelled", "why", "bytes"});
+}
+
+TEST_F(OnABall, StepsHaveTheirColumnsAndARowAStep) {
+  result({"simulate", at("case"), "--seconds", "0.5", "--steps", at("steps.csv"), "--bodies",
+          at("bodies.csv")});
+  std::istringstream csv(contentOf(*folder / "steps.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line,
+            "step,step_ms,parts,contacts,body_contacts,depth_mm,tests,impulses,time_us,"
+            "stiffness_N_per_m");
+  int rows = 0;
+  while (std::getline(csv, line)) ++rows;
+  EXPECT_EQ(rows, 500);
+  EXPECT_EQ(contentOf(*folder / "bodies.csv"), "step,body,x_mm,y_mm,z_mm,qw,qx,qy,qz\n");
+}
+
+TEST_F(OnABall, TheHandOfASessionDoesItAgain) {
+  result({"simulate", at("case"), "--seconds", "3", "--record", at("hand.palpate")});
+  const json again =
+      result({"simulate", at("case"), "--seconds", "3", "--hand", at("hand.palpate")});
+  EXPECT_GT(again["contacts_max"], 0);
+  EXPECT_GT(again["force_max_N"], 0.3);
 }
 
 TEST_F(OnABall, SamplesHaveTheirColumnsAndARowATick) {
@@ -307,6 +357,8 @@ TEST(Devices, ListsTheSimulatedModelsAndWhyOthersAreNot) {
   EXPECT_THAT(models, testing::IsSupersetOf({"touch", "touch-x", "premium-6dof"}));
   // Without the vendor's library no Phantom can be listed: then this says what was tried.
   EXPECT_FALSE(std::string(found["library_note"]).empty());
+  ASSERT_FALSE(found["tried"].empty());
+  for (const json& attempt : found["tried"]) expectKeys(attempt, {"library", "problem", "advice"});
 }
 
 TEST(Doctor, CountsEveryWakeUpInItsHistogram) {
