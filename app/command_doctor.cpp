@@ -11,6 +11,7 @@
 #include "app/program_paths.h"
 #include "app/text_table.h"
 #include "app/wakeup_jitter.h"
+#include "core/simulation/real_time.h"
 
 namespace palpate {
 namespace {
@@ -69,6 +70,63 @@ ordered_json jitterJson(const JitterReport& report) {
   return json;
 }
 
+struct ProcessorRow {
+  int processor = 0;
+  JitterReport report;
+};
+
+/// A shorter look at each processor alone: not at hundreds of them.
+Result<std::vector<ProcessorRow>> lookAtEach(double seconds, const Progress& progress) {
+  constexpr std::size_t kMost = 16;
+  std::vector<int> all = usableProcessors();
+  if (all.size() > kMost) all.resize(kMost);
+  std::vector<ProcessorRow> rows;
+  for (const int processor : all) {
+    const double each = std::max(0.05, seconds / static_cast<double>(all.size()));
+    auto report = measureWakeupJitter(each, progress, processor);
+    if (!report) return fail(report.error());
+    rows.push_back({processor, std::move(*report)});
+  }
+  return rows;
+}
+
+/// The one whose late wake-ups are rarest and least.
+const ProcessorRow* steadiest(const std::vector<ProcessorRow>& rows) {
+  const auto best = std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+    return a.report.missed != b.report.missed ? a.report.missed < b.report.missed
+                                              : a.report.p99_us < b.report.p99_us;
+  });
+  return best == rows.end() ? nullptr : &*best;
+}
+
+void tellProcessors(const std::vector<ProcessorRow>& rows, CommandOutput& output,
+                    TextTable& table) {
+  output.json["processors"] = ordered_json::array();
+  for (const ProcessorRow& row : rows) {
+    output.json["processors"].push_back({{"processor", row.processor},
+                                         {"p50_us", row.report.p50_us},
+                                         {"p99_us", row.report.p99_us},
+                                         {"max_us", row.report.max_us},
+                                         {"missed", row.report.missed}});
+    table.add({"processor " + std::to_string(row.processor) + ", p50 / p99 / max, missed",
+               decimal(row.report.p50_us, 1) + " / " + decimal(row.report.p99_us, 1) + " / " +
+                   decimal(row.report.max_us, 1) + " µs, " + std::to_string(row.report.missed)});
+  }
+  const int isolated = isolatedProcessor();
+  const ProcessorRow* best = steadiest(rows);
+  output.json["isolated_processor"] = isolated >= 0 ? ordered_json(isolated) : nullptr;
+  output.json["steadiest_processor"] =
+      best != nullptr ? ordered_json(best->processor) : ordered_json(nullptr);
+  if (isolated >= 0) {
+    table.add({"processor for the servo", std::to_string(isolated) + ": the system keeps it free"});
+  } else if (best != nullptr && rows.size() > 1) {
+    table.add({"processor for the servo",
+               std::to_string(best->processor) + " was the steadiest just now (--servo-cpu " +
+                   std::to_string(best->processor) +
+                   "); isolcpus= on the kernel's command line keeps one free for good"});
+  }
+}
+
 std::string histogramText(const JitterReport& report) {
   std::uint64_t most = 1;
   for (const JitterBin& bin : report.histogram) most = std::max(most, bin.count);
@@ -85,6 +143,8 @@ std::string histogramText(const JitterReport& report) {
 Result<CommandOutput> runDoctor(double seconds, const CommandContext& context) {
   const Result<JitterReport> report = measureWakeupJitter(seconds, context.progress);
   if (!report) return fail(report.error());
+  const auto processors = lookAtEach(0.4 * seconds, context.progress);
+  if (!processors) return fail(processors.error());
   const Result<std::filesystem::path> data = programDataFolder();
   CommandOutput output;
   output.json = jitterJson(*report);
@@ -105,6 +165,7 @@ Result<CommandOutput> runDoctor(double seconds, const CommandContext& context) {
                  decimal(report->p999_us, 1) + " / " + decimal(report->max_us, 1) + " µs"});
   table.add({"late (over 100 µs), periods missed",
              std::to_string(report->late) + ", " + std::to_string(report->missed)});
+  tellProcessors(*processors, output, table);
   table.add({"real-time priority", report->realTimePriority ? "granted" : report->priorityNote});
   table.add({"locked memory", report->memoryLocked ? "granted" : report->memoryNote});
   table.add({"display", displayIsThere() ? "there" : "none: only commands without a window"});

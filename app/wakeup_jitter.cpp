@@ -4,7 +4,6 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,8 @@
 #include <limits>
 #include <thread>
 
+#include "core/simulation/real_time.h"
+
 namespace palpate {
 namespace {
 
@@ -22,18 +23,6 @@ constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr double kPeriodUs = 1000.0;
 constexpr double kLateUs = 100.0;  // interface.md: due more than 100 µs ago
 constexpr int kPriority = 80;  // above the kernel's threaded interrupts (50), below its own (99)
-
-std::int64_t nowNs() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
-}
-
-void sleepUntil(std::int64_t dueNs) {
-  const timespec due{dueNs / 1'000'000'000LL, dueNs % 1'000'000'000LL};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) != 0) {
-  }
-}
 
 double percentile(const std::vector<double>& sorted, double part) {
   if (sorted.empty()) return 0.0;
@@ -46,8 +35,11 @@ struct Loop {
   std::atomic<std::size_t> done{0};
   std::atomic<bool> stop{false};
   std::string priorityNote;
+  int processor = -1;
+  bool bound = true;
 
   void run() {
+    if (processor >= 0) bound = bindToProcessor(::pthread_self(), processor);
     ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
     const sched_param wanted{kPriority};
     const int refused = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted);
@@ -56,11 +48,11 @@ struct Loop {
                      "). To allow it, add '@users - rtprio 80' to /etc/security/limits.d and log "
                      "in again.";
     }
-    std::int64_t due = nowNs() + kPeriodNs;
+    std::int64_t due = monotonicNow() + kPeriodNs;
     for (double& late : lateness_us) {
       if (stop.load(std::memory_order_relaxed)) return;
       sleepUntil(due);
-      const std::int64_t now = nowNs();
+      const std::int64_t now = monotonicNow();
       late = static_cast<double>(now - due) * 1e-3;
       due += kPeriodNs;
       if (now > due) due += (now - due) / kPeriodNs * kPeriodNs;  // skip what was missed
@@ -94,8 +86,20 @@ JitterReport summariseLateness(std::vector<double> lateness_us) {
   return report;
 }
 
-Result<JitterReport> measureWakeupJitter(double seconds, const Progress& progress) {
+std::vector<int> usableProcessors() {
+  std::vector<int> all;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (::sched_getaffinity(0, sizeof(set), &set) != 0) return all;
+  for (int i = 0; i < CPU_SETSIZE; ++i) {
+    if (CPU_ISSET(static_cast<std::size_t>(i), &set)) all.push_back(i);
+  }
+  return all;
+}
+
+Result<JitterReport> measureWakeupJitter(double seconds, const Progress& progress, int processor) {
   Loop loop;
+  loop.processor = processor;
   loop.lateness_us.resize(static_cast<std::size_t>(std::max(1.0, seconds * 1e9 / kPeriodNs)));
   const std::size_t bytes = loop.lateness_us.size() * sizeof(double);
   const bool locked = ::mlock(loop.lateness_us.data(), bytes) == 0;
@@ -115,6 +119,10 @@ Result<JitterReport> measureWakeupJitter(double seconds, const Progress& progres
   loop.stop.store(true);
   thread.join();
   if (progress.cancelled()) return fail(cancelled());
+  if (!loop.bound) {
+    return fail(machineError("The loop could not be bound to a processor.")
+                    .butFound("processor " + std::to_string(processor)));
+  }
   JitterReport report = summariseLateness(loop.lateness_us);
   if (locked) ::munlock(loop.lateness_us.data(), bytes);
   report.realTimePriority = loop.priorityNote.empty();

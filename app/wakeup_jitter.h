@@ -30,6 +30,13 @@ struct JitterReport {
 
 /// Runs the loop on a thread of its own for `seconds`, with real-time priority and locked memory
 /// where the machine grants them. Cancelled: an Error.
-[[nodiscard]] Result<JitterReport> measureWakeupJitter(double seconds, const Progress& progress);
+/// @param processor  to bind the thread to; -1: wherever the system puts it. Refused (Machine)
+/// where
+///                   the program may not use it.
+[[nodiscard]] Result<JitterReport> measureWakeupJitter(double seconds, const Progress& progress,
+                                                       int processor = -1);
+
+/// Those that this program may run on, ascending.
+[[nodiscard]] std::vector<int> usableProcessors();
 
 }  // namespace palpate
