@@ -70,13 +70,14 @@ struct ContactResolver::Scratch {
 
   /// Bodies that touch, joined under the lowest.
   void join(std::span<const ContactSet> sets) noexcept {
-    for (std::uint16_t i = 0; i < bodies.size(); ++i) bodies[i].island = i;
+    const auto count = static_cast<std::uint16_t>(bodies.size());
+    for (std::uint16_t i = 0; i < count; ++i) bodies[i].island = i;
     for (const ContactSet& set : sets) {
       if (set.other == kAnatomy || !usable(set)) continue;
       const std::uint16_t a = rootOf(set.body), b = rootOf(set.other);
       bodies[std::max(a, b)].island = std::min(a, b);
     }
-    for (std::uint16_t i = 0; i < bodies.size(); ++i) bodies[i].island = rootOf(i);
+    for (std::uint16_t i = 0; i < count; ++i) bodies[i].island = rootOf(i);
   }
 
   /// The island of that root; false where nothing of it is touched.
@@ -123,7 +124,7 @@ ResponseEffort ContactResolver::resolve(std::span<const ContactBody> bodies,
     s.island.settings = &settings;
     s.island.h = h;
     s.join(s.island.sets);
-    for (std::uint16_t root = 0; root < count; ++root) {
+    for (std::uint16_t root = 0; root < static_cast<std::uint16_t>(count); ++root) {
       if (s.bodies[root].island != root || !s.enter(root)) continue;
       solve(s.island, s.selection);
       sumImpulses(s.island);

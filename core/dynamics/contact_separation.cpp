@@ -39,7 +39,8 @@ ActiveContact* mostLacking(Island& island, double& lack) noexcept {
 /// A body whose contact points would travel farther is shifted less; one that would go nowhere
 /// sensible not at all.
 void bound(Island& island, double most) noexcept {
-  for (std::uint16_t body = 0; body < island.bodies->size(); ++body) {
+  const auto count = static_cast<std::uint16_t>(island.bodies->size());
+  for (std::uint16_t body = 0; body < count; ++body) {
     Vector6d& shift = island.shift(body);
     double travel = 0.0;
     for (std::size_t k = 0; k < island.count; ++k) {

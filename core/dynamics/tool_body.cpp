@@ -105,7 +105,7 @@ void ToolBody::take(const BodyResponse& response, bool touched, double h) noexce
 ContactResponse ToolBody::resolve(ContactResolver& resolver, std::span<const Contact> contacts_W,
                                   const SurfaceTable& materials, const ResponseSettings& settings,
                                   double h) noexcept {
-  const ContactResponse response =
+  ContactResponse response =
       resolver.resolveContacts(contactBody(), contacts_W, materials, settings, h);
   take(response, !contacts_W.empty(), h);
   return response;
