@@ -31,6 +31,14 @@ std::string keyName(int key) {
       return "enter";
     case GLFW_KEY_SLASH:
       return "?";
+    case GLFW_KEY_LEFT:
+      return "left";
+    case GLFW_KEY_RIGHT:
+      return "right";
+    case GLFW_KEY_PAGE_UP:
+      return "pageup";
+    case GLFW_KEY_PAGE_DOWN:
+      return "pagedown";
     case GLFW_KEY_UP:
       return "up";
     case GLFW_KEY_DOWN:

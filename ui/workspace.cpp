@@ -128,6 +128,26 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
   const bool arm = (key || gripped_) && !model.simulate.latch;
   if (arm != armHeld_) actions.push_back(act::Arm{arm});
   armHeld_ = arm;
+  moveByKeys(window, model, actions);
+}
+
+/// The arrows move the hand across the view, page up and down into it and out; Ctrl: finely.
+void Workspace::moveByKeys(const Window& window, const Model& model, Actions& actions) const {
+  const SimulateModel& simulate = model.simulate;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!simulate.running || simulate.hardware || simulate.hand != HandKind::Mouse ||
+      io.WantTextInput) {
+    return;
+  }
+  const auto axis = [&window](const char* less, const char* more) {
+    return (window.keyHeld(more) ? 1.0 : 0.0) - (window.keyHeld(less) ? 1.0 : 0.0);
+  };
+  const Eigen::Vector3d wish(axis("left", "right"), axis("down", "up"), axis("pageup", "pagedown"));
+  if (wish.isZero()) return;
+  constexpr double kSpeed = 0.03, kFine = 0.005;  // m/s
+  const double seconds = std::min(0.1, static_cast<double>(io.DeltaTime));
+  const double speed = window.keyHeld("ctrl") ? kFine : kSpeed;
+  actions.push_back(act::MoveHand{state_.camera.q_PC * (speed * seconds * wish)});
 }
 
 PlacedMesh Workspace::placedTool(const Model& model) const {

@@ -59,6 +59,7 @@ class Workspace {
   Workspace()
       : slices_{SliceView(View::Axial), SliceView(View::Coronal), SliceView(View::Sagittal)} {}
   void readKeys(Window& window, const Model& model, Actions& actions);
+  void moveByKeys(const Window& window, const Model& model, Actions& actions) const;
   void drawPanel(const Painter& paint, const Model& model);
   void drawViews(const Painter& paint, const Model& model, bool shift, double now, bool patient);
   void drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift, double now,

@@ -111,9 +111,10 @@ class QuickRun(unittest.TestCase):
             self.assertAlmostEqual(distances[0], 50.0, delta=4.0, msg=key)  # its centre of mass
             self.assertEqual(counts[0], 0, key)
             first = next(i for i, c in enumerate(counts) if c > 0)
-            # Free, it comes at 50 mm/s, less what the first 10 ms took to get there.
-            self.assertAlmostEqual(distances[0] - distances[first], 0.05 * (first - 10), delta=0.6,
-                                   msg=key)
+            # Free, it comes at 50 mm/s, less what the first 10 ms took to get there; a touch that the
+            # first impulse ends within its step shows up to a fraction of a voxel later.
+            self.assertAlmostEqual(distances[0] - distances[first], 0.05 * (first - 10),
+                                   delta=192.0 / int(key[0]) / 3.0, msg=key)
             # Without a response it would be 10 mm nearer by the end (Figure 3's approach).
             free = distances[0] - 0.05 * (len(curve) - 10)
             self.assertGreater(distances[-1], free + 5.0, key)

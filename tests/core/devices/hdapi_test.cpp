@@ -101,7 +101,7 @@ TEST_F(DeviceListTest, WithoutALibraryTheSimulatedOnesAreThere) {
   const DeviceList list = listDevices(options);
   std::vector<std::string> names;
   for (const ListedDevice& one : list.devices) names.push_back(one.name);
-  EXPECT_THAT(names, ElementsAre("touch", "touch-x", "premium-6dof"));
+  EXPECT_THAT(names, ElementsAre("touch", "touch-x", "premium-6dof", "3d-mouse"));
   EXPECT_THAT(list.library, IsEmpty());
   ASSERT_EQ(list.libraries.size(), 1u);
   EXPECT_EQ(list.libraries[0].name, "libHD-absent.so");
@@ -116,8 +116,8 @@ TEST_F(DeviceListTest, TellsEachPhantomAndWhyAnotherIsNotThereButNoSerialNumber)
   left.calibration = 0x5002;
   configure(left);
   const DeviceList list = listDevices(options({"Left", "Right"}));
-  ASSERT_EQ(list.devices.size(), 5u);
-  const ListedDevice& there = list.devices[3];
+  ASSERT_EQ(list.devices.size(), 6u);
+  const ListedDevice& there = list.devices[4];
   EXPECT_EQ(there.name, "phantom:Left");
   EXPECT_TRUE(there.there);
   EXPECT_EQ(there.info.model, "touch");
@@ -125,7 +125,7 @@ TEST_F(DeviceListTest, TellsEachPhantomAndWhyAnotherIsNotThereButNoSerialNumber)
   EXPECT_EQ(there.calibration, "inkwell");
   EXPECT_EQ(there.note, "Put the stylus into the inkwell and leave it there for a second.");
   EXPECT_EQ(there.motorTemperature.size(), 3u);
-  const ListedDevice& missing = list.devices[4];
+  const ListedDevice& missing = list.devices[5];
   EXPECT_FALSE(missing.there);
   EXPECT_EQ(missing.note,
             "No Phantom answered. Found: \"Right\": DEVICE_FAULT (0x300, internal 5).");

@@ -158,7 +158,7 @@ TEST(LooseBodies, FragmentsFallIntoABasinAndComeToRestOnEachOther) {
   const double start = energyOf(simulation, down);
   double energy = start, deepest = 0.0;
   std::size_t touching = 0;
-  for (std::uint64_t i = 0; i < 3000; ++i) {
+  for (std::uint64_t i = 0; i < 6000; ++i) {
     (void)simulation.step(farAway(**scene, i));
     const double now = energyOf(simulation, down);
     // All that may come in is the lift out of a penetration, 0.1 mm a step for bodies of 0.4 g; a
@@ -174,7 +174,7 @@ TEST(LooseBodies, FragmentsFallIntoABasinAndComeToRestOnEachOther) {
   EXPECT_LE(deepestOf(**scene, simulation), 0.5e-3) << "half a voxel at rest";
   std::vector<Eigen::Vector3d> before;
   for (const LooseBody& body : simulation.bodies()) before.push_back(body.body().centre());
-  for (std::uint64_t i = 3000; i < 4000; ++i) (void)simulation.step(farAway(**scene, i));
+  for (std::uint64_t i = 6000; i < 7000; ++i) (void)simulation.step(farAway(**scene, i));
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_LE((simulation.bodies()[i].body().centre() - before[i]).norm(), 1e-4)
         << "drift, body " << i;
