@@ -108,9 +108,15 @@ void Desktop::complain(const Error& error, const std::string& meaning) {
 void Desktop::fillModel(double dt) {
   model_.job = jobs_.model();
   if (devices_.valid() && devices_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    for (const ListedDevice& device : devices_.get().devices) {
+    const auto listed = devices_.get().devices;
+    const bool named = std::any_of(listed.begin(), listed.end(), [](const ListedDevice& d) {
+      return d.there && d.name.rfind("phantom:", 0) == 0;
+    });
+    for (const ListedDevice& device : listed) {
       const bool mouse = device.name == kSpaceMouse;
       if (!device.there || (device.info.simulated && !mouse)) continue;
+      // "phantom" is whichever the vendor takes first: one of the named ones again.
+      if (named && device.name == "phantom") continue;
       model_.simulate.devices.push_back(device.name);
       // What a 3D mouse moves is a simulated arm.
       hardware_.push_back(mouse ? std::nullopt : std::optional<DeviceInfo>(device.info));

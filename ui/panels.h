@@ -1,6 +1,7 @@
 #pragma once
-/// The four task panels, and what lies over everything. Each reads the model and pushes actions;
-/// what a panel remembers between frames (text being typed, sliders) is its own state struct.
+/// The four task panels and their larger parts, and what lies over everything. Each reads the model
+/// and pushes actions; what a panel remembers between frames (text being typed, sliders) is its own
+/// state struct.
 
 #include <string>
 
@@ -27,6 +28,8 @@ void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelStat
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
                       ViewState& views);
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);
+/// The part of the Simulate panel that chooses the device and says how it is.
+void drawDevice(const Painter& paint, const SimulateModel& simulate);
 void drawReviewPanel(const Painter& paint, const Model& model);
 
 /// "What to do next", where there is no case.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "tests/core/devices/fake_hd/fake_machine_state.h"
@@ -69,6 +70,17 @@ std::size_t records(int device, TickRecord* out, std::size_t capacity) {
   std::copy(all.end() - static_cast<std::ptrdiff_t>(count), all.end(), out);
   return count;
 }
+
+/// FAKE_HD_CALIBRATION=0x5002: one device from the start, with that calibration status, for looking
+/// at the program's window with this library in the vendor's place (PALPATE_HD_LIBRARY).
+[[maybe_unused]] const bool fromEnvironment = [] {
+  const char* status = std::getenv("FAKE_HD_CALIBRATION");
+  if (status == nullptr) return false;
+  DeviceSetup setup;
+  setup.calibration = static_cast<unsigned>(std::strtoul(status, nullptr, 0));
+  configure(&setup);
+  return true;
+}();
 
 const Controls kControls = {
     .reset = reset,
