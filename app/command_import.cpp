@@ -22,7 +22,7 @@ struct ImportOptions {
   fs::path caseFolder;
 };
 
-ordered_json importJson(const fs::path& folder, const ImportedScan& scan,
+ordered_json importJson(const fs::path& folder, const ImportedScan& scan, const CaseInfo& info,
                         const std::vector<std::string>& warnings) {
   ordered_json json;
   json["case"] = folder.string();
@@ -35,7 +35,7 @@ ordered_json importJson(const fs::path& folder, const ImportedScan& scan,
   } else {
     json["value_range"] = {low, high};
   }
-  json["voxels_sha256"] = voxelsSha256(scan.volume);
+  json["voxels_sha256"] = info.voxelsSha256;
   json["repairs"] = scan.repairs;
   json["warnings"] = warnings;
   return json;
@@ -70,9 +70,8 @@ Result<CommandOutput> runImport(const ImportOptions& options, const CommandConte
   if (!scan) return fail(scan.error());
   if (context.progress.cancelled()) return fail(cancelled());
   context.progress(0.95, "Writing the case");
-  if (const Result<void> written = writeNewCase(options.caseFolder, *scan); !written) {
-    return fail(written.error());
-  }
+  const Result<CaseInfo> written = writeNewCase(options.caseFolder, *scan);
+  if (!written) return fail(written.error());
   if (const Result<void> scene = addDefaultScene(options.caseFolder); !scene) {
     return fail(scene.error());
   }
@@ -82,7 +81,7 @@ Result<CommandOutput> runImport(const ImportOptions& options, const CommandConte
   if (scan->lossy) {
     output.warnings.push_back("The source was compressed with loss; measures may be off.");
   }
-  output.json = importJson(options.caseFolder, *scan, output.warnings);
+  output.json = importJson(options.caseFolder, *scan, *written, output.warnings);
   output.text = importText(options.caseFolder, *scan);
   return output;
 }

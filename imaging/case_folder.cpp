@@ -7,6 +7,7 @@
 
 #include <bitset>
 #include <cerrno>
+#include <future>
 #include <system_error>
 
 #include "core/base/whole_file.h"
@@ -162,19 +163,25 @@ Result<void> refuseUnnamedLabels(const LabelGrid& grid, const LabelTable& table,
 
 }  // namespace
 
-Result<void> writeNewCase(const fs::path& folder, const ImportedScan& scan) {
+Result<CaseInfo> writeNewCase(const fs::path& folder, const ImportedScan& scan) {
   const fs::path name = withoutSlash(folder);
-  if (auto allowed = refuseForeignFolder(name); !allowed) return allowed;
+  if (auto allowed = refuseForeignFolder(name); !allowed) return fail(allowed.error());
   auto staging = Staging::beside(name);
   if (!staging) return fail(staging.error());
+  auto described = std::async(std::launch::async, [&scan] { return infoOf(scan); });  // hashes
   if (auto ok = speakOf(name, writeVolumeFile(scan.volume, staging->path() / kVolume)); !ok) {
-    return ok;
+    return fail(ok.error());
   }
-  const std::string info = caseInfoText(infoOf(scan));
-  if (auto ok = speakOf(name, writeWholeFile(staging->path() / kInfo, info)); !ok) return ok;
-  if (auto ok = speakOf(name, flushToDisk(staging->path())); !ok) return ok;
-  if (auto ok = staging->takeNameOf(name); !ok) return ok;
-  return flushToDisk(name.has_parent_path() ? name.parent_path() : fs::path("."));
+  CaseInfo info = described.get();
+  const std::string text = caseInfoText(info);
+  if (auto ok = speakOf(name, writeWholeFile(staging->path() / kInfo, text)); !ok) {
+    return fail(ok.error());
+  }
+  if (auto ok = speakOf(name, flushToDisk(staging->path())); !ok) return fail(ok.error());
+  if (auto ok = staging->takeNameOf(name); !ok) return fail(ok.error());
+  const fs::path parent = name.has_parent_path() ? name.parent_path() : fs::path(".");
+  if (auto ok = flushToDisk(parent); !ok) return fail(ok.error());
+  return info;
 }
 
 Result<CaseInfo> readCaseInfo(const fs::path& folder) {

@@ -27,9 +27,9 @@ struct CaseInfo {
 };
 
 /// Writes a new case beside its final name and renames it: it appears whole or not at all. Refused
-/// if the folder exists and is not an (over-writable) case or empty.
-[[nodiscard]] Result<void> writeNewCase(const std::filesystem::path& folder,
-                                        const ImportedScan& scan);
+/// if the folder exists and is not an (over-writable) case or empty. Returns what case.toml says.
+[[nodiscard]] Result<CaseInfo> writeNewCase(const std::filesystem::path& folder,
+                                            const ImportedScan& scan);
 
 [[nodiscard]] Result<CaseInfo> readCaseInfo(const std::filesystem::path& folder);
 [[nodiscard]] Result<Volume> readCaseVolume(const std::filesystem::path& folder);

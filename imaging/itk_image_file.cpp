@@ -124,7 +124,7 @@ std::vector<char> readItkVoxels(VolumeFormat format, const fs::path& file) {
 }
 
 bool writeItkImage(VolumeFormat format, const fs::path& file, const ItkImageHeader& header,
-                   const void* voxels) {
+                   const void* voxels, bool compress) {
   try {
     const auto io = makeIo(format, file);
     io->SetNumberOfDimensions(3);
@@ -139,8 +139,9 @@ bool writeItkImage(VolumeFormat format, const fs::path& file, const ItkImageHead
                                               header.direction.begin() + 3 * d + 3));
     }
     selectWhole(*io);
-    io->SetUseCompression(true);
-    io->SetCompressionLevel(2);  // level 9 takes ten times as long for a tenth of the bytes
+    io->SetUseCompression(compress);
+    if (compress)
+      io->SetCompressionLevel(2);  // level 9 takes ten times as long for a tenth of the bytes
     io->WriteImageInformation();
     io->Write(voxels);
     return true;

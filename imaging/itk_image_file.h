@@ -46,7 +46,8 @@ struct ItkImageHeader {
 [[nodiscard]] std::vector<char> readItkVoxels(VolumeFormat format,
                                               const std::filesystem::path& file);
 /// UInt8, Int16 and Float32 only. False when ITK notices a failure; it does not notice them all.
+/// `compress` is for MetaImage and NRRD; NIfTI goes by its name.
 [[nodiscard]] bool writeItkImage(VolumeFormat format, const std::filesystem::path& file,
-                                 const ItkImageHeader& header, const void* voxels);
+                                 const ItkImageHeader& header, const void* voxels, bool compress);
 
 }  // namespace palpate

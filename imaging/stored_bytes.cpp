@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -139,6 +140,24 @@ bool holdsAllVoxels(VolumeFormat format, const fs::path& file, std::uint64_t vox
       return true;
   }
   return false;
+}
+
+bool endsWithBytes(const fs::path& file, std::span<const char> bytes) {
+  const std::uint64_t size = sizeOf(file);
+  if (size < bytes.size()) return false;
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(size - bytes.size()));
+  std::vector<char> block(1U << 20U);
+  while (!bytes.empty()) {
+    const std::size_t count = std::min(block.size(), bytes.size());
+    in.read(block.data(), static_cast<std::streamsize>(count));
+    if (static_cast<std::size_t>(in.gcount()) != count ||
+        std::memcmp(block.data(), bytes.data(), count) != 0) {
+      return false;
+    }
+    bytes = bytes.subspan(count);
+  }
+  return true;
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "imaging/volume_format.h"
 
@@ -14,5 +15,7 @@ namespace palpate {
 /// NRRD is left to ITK, which notices. Reads compressed files through once; any thread.
 [[nodiscard]] bool holdsAllVoxels(VolumeFormat format, const std::filesystem::path& file,
                                   std::uint64_t voxels, std::uint64_t bytesPerVoxel);
+/// Whether the file's last bytes are these. Reads the file in blocks.
+[[nodiscard]] bool endsWithBytes(const std::filesystem::path& file, std::span<const char> bytes);
 
 }  // namespace palpate

@@ -251,8 +251,17 @@ Result<void> refuseNotNumbers(const Volume& volume, const fs::path& file) {
                           "the file."));
 }
 
+/// ITK's writers do not all notice a full disk: what was written is looked at before it gets its
+/// name. Plain voxels are the last bytes of a file, so that no second volume is needed in memory.
+bool holds(const fs::path& file, VolumeFormat format, bool plain, const void* voxels,
+           std::size_t bytes) {
+  if (plain) return endsWithBytes(file, {static_cast<const char*>(voxels), bytes});
+  const auto back = readItkVoxels(format, file);
+  return back.size() == bytes && std::memcmp(back.data(), voxels, bytes) == 0;
+}
+
 Result<void> writeImage(const GridGeometry& geometry, StoredType type, std::size_t bytesPerValue,
-                        const void* voxels, const fs::path& file) {
+                        const void* voxels, bool compress, const fs::path& file) {
   const auto format = volumeFormatByName(file);
   if (!format) return fail(format.error());
   if (file.extension() == ".mhd" || file.extension() == ".nhdr") {
@@ -275,14 +284,12 @@ Result<void> writeImage(const GridGeometry& geometry, StoredType type, std::size
     }
   }
   errno = 0;
-  if (!writeItkImage(*format, whole->hiddenName(), header, voxels)) {
+  if (!writeItkImage(*format, whole->hiddenName(), header, voxels, compress)) {
     return fail(cannotWrite(file, errno != 0 ? errno : EIO));
   }
-  // ITK's writers do not all notice a full disk: what was written is read back and compared before
-  // it gets its name.
+  const bool plain = !compress && file.extension() != ".gz";
   const std::size_t bytes = geometry.voxelCount() * bytesPerValue;
-  const auto back = readItkVoxels(*format, whole->hiddenName());
-  if (back.size() != bytes || std::memcmp(back.data(), voxels, bytes) != 0) {
+  if (!holds(whole->hiddenName(), *format, plain, voxels, bytes)) {
     return fail(cannotWrite(file, ENOSPC));
   }
   return whole->commit();
@@ -312,8 +319,9 @@ Result<Volume> readVolumeFile(const fs::path& file, std::vector<std::string>* wa
 
 Result<void> writeVolumeFile(const Volume& volume, const fs::path& file) {
   return volume.type == VoxelType::Int16
-             ? writeImage(volume.geometry, StoredType::Int16, 2, volume.int16.data(), file)
-             : writeImage(volume.geometry, StoredType::Float32, 4, volume.float32.data(), file);
+             ? writeImage(volume.geometry, StoredType::Int16, 2, volume.int16.data(), false, file)
+             : writeImage(volume.geometry, StoredType::Float32, 4, volume.float32.data(), false,
+                          file);
 }
 
 Result<LabelGrid> readLabelFile(const fs::path& file) {
@@ -350,7 +358,7 @@ Result<LabelGrid> readLabelFile(const fs::path& file) {
 }
 
 Result<void> writeLabelFile(const LabelGrid& labels, const fs::path& file) {
-  return writeImage(labels.geometry, StoredType::UInt8, 1, labels.labels.data(), file);
+  return writeImage(labels.geometry, StoredType::UInt8, 1, labels.labels.data(), true, file);
 }
 
 }  // namespace palpate

@@ -23,10 +23,12 @@ namespace palpate {
 /// The geometry alone; the voxels are not read, so a file cut short is not noticed.
 [[nodiscard]] Result<GridGeometry> readVolumeGeometry(const std::filesystem::path& file);
 /// Whole or not at all, read back and compared before it gets its name; format by extension (.mha,
-/// .nrrd, .nii, .nii.gz). Compressed. A full or unwritable place is ErrorKind::Machine.
+/// .nrrd, .nii, .nii.gz). Only .nii.gz is compressed: grey values shrink by a third and take twenty
+/// times as long. A full or unwritable place is ErrorKind::Machine.
 [[nodiscard]] Result<void> writeVolumeFile(const Volume& volume, const std::filesystem::path& file);
 /// Label volumes: values 0..255, anything else is refused with the first offending value.
 [[nodiscard]] Result<LabelGrid> readLabelFile(const std::filesystem::path& file);
+/// Compressed: labels shrink a hundredfold.
 [[nodiscard]] Result<void> writeLabelFile(const LabelGrid& labels,
                                           const std::filesystem::path& file);
 
