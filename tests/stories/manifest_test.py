@@ -4,8 +4,9 @@
   manifest_test.py --palpate PROGRAM --data FOLDER [--row TEXT]
 
 A volume must equal its reference (eight corners within 0.001 mm, voxels bit for bit), a repair must
-state its displacement, a refusal must give its exact reason. A row without an expectation fails,
-so that a new row cannot go untested. Ends with 77 where the data is not there.
+state its displacement, a refusal must give its exact reason, and no output may hold a patient's
+name. A row without an expectation fails, so that a new row cannot go untested. Ends with 77 where
+the data is not there.
 """
 
 import argparse
@@ -28,6 +29,7 @@ import time
 import zlib
 
 import dicom_header as dicom
+import names
 
 CORNER_MM = 0.001
 LONGEST_S = 10  # For a damaged file.
@@ -410,11 +412,11 @@ class Case:
 class Row:
     """One row of the manifest at work: runs the program and collects what is wrong."""
 
-    def __init__(self, options, reference, name, expected):
+    def __init__(self, options, shared, name, expected):
         self.program, self.data = options.palpate, options.data
-        self.name, self.key, self.expected = name, name.rstrip("/"), expected
+        self.key, self.expected = name.rstrip("/"), expected
         self.path = self.data / self.key
-        self.reference = reference
+        self.reference, self.names = shared
         self.wrong = []
 
     def expect(self, holds, what):
@@ -433,6 +435,8 @@ class Row:
         except subprocess.TimeoutExpired:
             self.wrong.append(f"{arguments[0]} hangs")
             return None, {}, 60
+        named = self.names.found_in(done.stdout) or self.names.found_in(done.stderr)
+        self.expect(not named, f"{arguments[0]} tells the patient's {named}")
         try:
             told = json.loads(done.stdout)
         except ValueError:
@@ -473,6 +477,8 @@ class Row:
                 self.wrong.append(str(told.get("error", {}).get("message")))
                 return None, None
             written = Case(case)
+            for file, named in self.names.found_below(case):
+                self.wrong.append(f"{file.name} holds the patient's {named}")
         self.case_is_what_was_told(written, told)
         return told, written
 
@@ -844,6 +850,8 @@ def check_fuzz(row):
                 if done and done.returncode == 3:
                     row.expect(told.get("error", {}).get("message"), f"{what}: no message")
                     row.expect(not case.exists(), f"{what} left a case behind")
+        for file, named in row.names.found_below(pathlib.Path(folder)):
+            row.wrong.append(f"{file.parent.name}/{file.name} holds the patient's {named}")
 
 
 # ------------------------------------------------------------------------------------------ the run
@@ -852,11 +860,11 @@ def rows_of(manifest):
     return re.findall(r"^\| `([^`]+)` \|", manifest, re.M)
 
 
-def check_row(options, reference, name, expected):
+def check_row(options, shared, name, expected):
     """What is wrong with one row."""
     if expected is None:
         return ["the row has no expectation"]
-    row = Row(options, reference, name, expected)
+    row = Row(options, shared, name, expected)
     try:
         expected["check"](row)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -888,13 +896,14 @@ def main():
         print(f"SKIPPED: needs the shared test data, which is not in {options.data}")
         return 77
     reference = json.loads((options.data / "reference.json").read_text(encoding="utf-8"))
+    shared = reference, names.Names(options.data)
     expected = expectations()
-    names = rows_of(manifest.read_text(encoding="utf-8"))
-    gone = sorted(set(expected) - set(names))
-    selected = [name for name in names if options.row in name]
+    rows = rows_of(manifest.read_text(encoding="utf-8"))
+    gone = sorted(set(expected) - set(rows))
+    selected = [name for name in rows if options.row in name]
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         outcomes = list(pool.map(
-            lambda name: check_row(options, reference, name, expected.get(name)), selected))
+            lambda name: check_row(options, shared, name, expected.get(name)), selected))
     good = [report(name, wrong) for name, wrong in zip(selected, outcomes)]
     for name in gone:
         print(f"FAILED: {name}: expected, but not in the manifest")
