@@ -397,6 +397,7 @@ class Case:
         self.voxels = from_little({"MET_SHORT": "h", "MET_FLOAT": "f"}[self.fields["ElementType"]],
                                   body)
         self.sha256 = sha(body)
+        self.counts = collections.Counter(self.voxels)  # Of each value.
         self.toml = (folder / "case.toml").read_text(encoding="utf-8")
 
     def numbers(self, field):
@@ -491,7 +492,7 @@ class Row:
                            ("TransformMatrix", "direction")):
             off = max(abs(a - b) for a, b in zip(case.numbers(field), told[key]))
             self.expect(off < 1e-6, f"{key} in the case differs by {off}")
-        self.equal([min(case.voxels), max(case.voxels)], told["value_range"], "range of values")
+        self.equal([min(case.counts), max(case.counts)], told["value_range"], "range of values")
 
     def corners_within(self, found, wanted, what="corners"):
         off = max(math.dist(a, b) for a, b in zip(found, wanted))
@@ -513,10 +514,10 @@ class Row:
         lossy = str(self.expected.get("lossy", False)).lower()
         self.expect(f"\nlossy = {lossy}\n" in case.toml, f"the case does not say lossy = {lossy}")
 
-    def values_are(self, voxels, wanted):
-        counts = collections.Counter(voxels)
-        found = {"min": min(counts), "max": max(counts), "voxels": len(voxels),
-                 "mean": sum(v * n for v, n in counts.items()) / len(voxels),
+    def values_are(self, case, wanted):
+        counts = case.counts
+        found = {"min": min(counts), "max": max(counts), "voxels": len(case.voxels),
+                 "mean": sum(v * n for v, n in counts.items()) / len(case.voxels),
                  "count_ge_300": sum(n for v, n in counts.items() if v >= 300),
                  "count_ge_-200_lt_300": sum(n for v, n in counts.items() if -200 <= v < 300)}
         for name in found.keys() & (wanted or {}).keys():
@@ -563,7 +564,7 @@ def check_series(row):
     row.corners_within(corners_told(told), corners_of_headers(wanted["geometry_from_headers"]))
     row.equal(told["voxels_sha256"],
               wanted["sha256_int16_le_rescaled_x_fastest_z_along_normal"], "voxels_sha256")
-    row.values_are(case.voxels, wanted["rescaled_values"])
+    row.values_are(case, wanted["rescaled_values"])
     probes = wanted["probe_voxels_ijk"]
     n = told["dims"]
     row.equal([case.voxels[i + n[0] * (j + n[1] * k)] for i, j, k, _ in probes],
@@ -581,7 +582,7 @@ def check_volume_file(row):
     box = row.reference["files"][row.key][row.expected["tool"]]
     row.equal(told["dims"], box["dims"], "dims")
     row.corners_within(corners_told(told), corners_of_tool(box))
-    row.values_are(case.voxels, box["values"])
+    row.values_are(case, box["values"])
     wanted = array.array("h", row.expected["read"](row.path.read_bytes()))
     row.equal(told["voxels_sha256"], sha(little(wanted)), "voxels_sha256")
     row.warnings_are(told)
@@ -619,8 +620,7 @@ def check_slice(row):
         again = stored_again(case.voxels, header, row.expected["stored"][-1],
                              row.expected.get("mask"))
         row.equal(sha(little(again)), wanted["decoded_pixel_sha256"]["gdcm"], "stored pixels' hash")
-        row.values_are(case.voxels, wanted.get("hu_pydicom") or wanted["stored_values_pydicom"]
-                       if "stored_values_pydicom" in wanted else None)
+        row.values_are(case, wanted.get("hu_pydicom") or wanted.get("stored_values_pydicom"))
     row.warnings_are(told)
     row.lossy_is_noted(case)
     series_promises(row, row.series(), told)
@@ -665,7 +665,7 @@ def check_enhanced(row):
         box = row.reference["series"][row.key][row.expected["tool"]]["outputs"][0]
         off = distance_of_boxes(corners_told(told), corners_of_tool(box))
         row.expect(off <= CORNER_MM, f"corners are off by {off:.6f} mm from another reader's")
-        row.values_are(case.voxels, box["values"])
+        row.values_are(case, box["values"])
     row.warnings_are(told)
     row.lossy_is_noted(case)
     series_promises(row, row.series(), told)
