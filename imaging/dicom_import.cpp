@@ -63,7 +63,7 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {
   const std::string& series = files[stack.slices.front().file].seriesUid;
   const auto damaged = std::count_if(files.begin(), files.end(), [&](const DicomFile& f) {
-    return f.seriesUid == series && f.problem == kDamagedFile;
+    return f.seriesUid == series && f.damaged;
   });
   if (damaged == 0) return;
   stack.reason = std::to_string(damaged) + " of its files are damaged or cut short";

@@ -5,8 +5,11 @@
 #include <dcmtk/dcmdata/dcpxitem.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <exception>
 
+#include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 #include "imaging/jpeg2000.h"
 
@@ -64,9 +67,9 @@ void readCells(const DicomFile& file, const std::uint8_t* bytes, std::size_t fir
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t p = firstPixel + i;
         const std::uint8_t* pair = bytes + p / 2 * 3;
-        const auto low = static_cast<std::uint32_t>(pair[0] | (pair[1] & 15U) << 8U);
-        const auto high = static_cast<std::uint32_t>(pair[1] >> 4U | pair[2] << 4U);
-        out[i] = number(p % 2 == 0 ? low : high);
+        // The last of an odd number of pixels has no third byte.
+        out[i] = number(p % 2 == 0 ? pair[0] | (pair[1] & 15U) << 8U
+                                   : static_cast<std::uint32_t>(pair[1] >> 4U | pair[2] << 4U));
       }
       break;
     case 16:
@@ -85,6 +88,12 @@ void readCells(const DicomFile& file, const std::uint8_t* bytes, std::size_t fir
   }
 }
 
+/// Whether numbers of 32 bits without sign went beyond what std::int32_t holds.
+bool tooLarge(const DicomFile& file, const std::vector<std::int32_t>& values) {
+  return file.bitsStored == 32 && !file.isSigned &&
+         std::any_of(values.begin(), values.end(), [](std::int32_t v) { return v < 0; });
+}
+
 std::size_t bytesForPixels(const DicomFile& file, std::size_t pixels) {
   return file.bitsAllocated == 12 ? (pixels * 3 + 1) / 2 : pixels * file.bitsAllocated / 8;
 }
@@ -101,8 +110,10 @@ bool readLut(DcmItem& dataset, const DicomFile& file, ModalityLut& lut) {
       item->findAndGetUint16Array(DCM_LUTData, data, &count).bad() || data == nullptr) {
     return false;
   }
+  // Numbers of sixteen bits, whatever the file writes them as.
+  if (entries < 0.0 || entries > 65536.0 || std::abs(first) > 65536.0) return false;
   const auto wanted = entries == 0.0 ? 65536UL : static_cast<unsigned long>(entries);
-  if (entries < 0.0 || count < wanted) return false;
+  if (count < wanted) return false;
   lut.first = file.isSigned ? static_cast<std::int16_t>(static_cast<std::int32_t>(first))
                             : static_cast<std::int32_t>(first);
   lut.values.assign(data, data + wanted);
@@ -146,10 +157,12 @@ Result<std::vector<std::vector<std::uint8_t>>> codeStreams(DcmPixelData& pixels,
   const std::size_t frames = file.frames.size();
   const bool oneEach = sequence->card() - 1 == frames;
   std::vector<std::vector<std::uint8_t>> streams;
-  for (unsigned long i = 1; i < sequence->card(); ++i) {
-    DcmPixelItem* item = nullptr;
+  // From one to the next, after the table of offsets: getItem() counts from the first every time.
+  DcmObject* next = sequence->nextInContainer(nullptr);
+  while ((next = sequence->nextInContainer(next)) != nullptr) {
+    auto* item = dynamic_cast<DcmPixelItem*>(next);
     Uint8* bytes = nullptr;
-    if (sequence->getItem(item, i).bad() || item->getUint8Array(bytes).bad() || bytes == nullptr) {
+    if (item == nullptr || item->getUint8Array(bytes).bad() || bytes == nullptr) {
       return fail(cannotDecode(file, "a fragment is missing"));
     }
     const std::size_t length = item->getLength();
@@ -198,14 +211,12 @@ std::span<const std::uint8_t> nativeBytes(DcmDataset& dataset) {
   return {};
 }
 
-}  // namespace
-
-Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
-  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& visit) {
   prepareDicomToolkit();
   DcmFileFormat format;
-  if (format.loadFile(OFFilename(file.path.c_str())).bad()) {
-    return fail(cannotDecode(file, "it is damaged or cut short"));
+  const DicomParse parse = parseDicom(format, file.path);
+  if (!parse.complete()) {
+    return fail(cannotDecode(file, parse.limit.empty() ? kDamagedFile : parse.limit));
   }
   DcmDataset& dataset = *format.getDataset();
   FrameSink sink{visit, {}};
@@ -214,10 +225,11 @@ Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor
   }
   if (isJpeg2000(file.transferSyntax)) {
     DcmElement* element = nullptr;
-    if (dataset.findAndGetElement(DCM_PixelData, element).bad()) {
-      return fail(cannotDecode(file, "it holds no pixels"));
-    }
-    return decodeJpeg2000Frames(static_cast<DcmPixelData&>(*element), file, sink);
+    (void)dataset.findAndGetElement(DCM_PixelData, element);
+    // A damaged file may state another kind of value there.
+    auto* pixels = dynamic_cast<DcmPixelData*>(element);
+    if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
+    return decodeJpeg2000Frames(*pixels, file, sink);
   }
   if (file.bitsAllocated == 32 && dataset.getOriginalXfer() == EXS_BigEndianExplicit) {
     return fail(cannotDecode(file, "32-bit pixels in this byte order are not read"));
@@ -234,9 +246,24 @@ Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor
   std::vector<std::int32_t> values;
   for (std::uint32_t f = 0; f < file.frames.size(); ++f) {
     readCells(file, bytes.data(), f * frame, values);
+    if (tooLarge(file, values)) {
+      return fail(cannotDecode(file, "its values are larger than 31 bits"));
+    }
     sink(f, values);
   }
   return DecodedFacts{};
+}
+
+}  // namespace
+
+Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
+  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+  try {
+    return decodeFrames(file, visit);
+  } catch (const std::exception&) {
+    // DCMTK throws at some damaged values; a damaged size may ask for more memory than there is.
+    return fail(cannotDecode(file, kDamagedFile));
+  }
 }
 
 }  // namespace palpate
