@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 
+#include "imaging/code_stream_size.h"
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 #include "imaging/jpeg2000.h"
@@ -143,7 +144,20 @@ bool isJpeg2000(const std::string& uid) {
   return uid == "1.2.840.10008.1.2.4.90" || uid == "1.2.840.10008.1.2.4.91";
 }
 
-/// The code streams of the frames: one fragment each, or cut where a stream begins (FF4F FF51).
+bool isJpeg(const std::string& uid) {
+  return uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70" ||
+         uid == "1.2.840.10008.1.2.4.80" || uid == "1.2.840.10008.1.2.4.81";
+}
+
+/// None where a damaged file states another kind of value there.
+DcmPixelData* pixelDataOf(DcmDataset& dataset) {
+  DcmElement* element = nullptr;
+  (void)dataset.findAndGetElement(DCM_PixelData, element);
+  return dynamic_cast<DcmPixelData*>(element);
+}
+
+/// The code streams of the frames: one fragment each, or cut where a stream begins (FF4F, FFD8,
+/// or the box of a JP2 file).
 Result<std::vector<std::vector<std::uint8_t>>> codeStreams(DcmPixelData& pixels,
                                                            const DicomFile& file) {
   E_TransferSyntax syntax = EXS_Unknown;
@@ -166,8 +180,9 @@ Result<std::vector<std::vector<std::uint8_t>>> codeStreams(DcmPixelData& pixels,
       return fail(cannotDecode(file, "a fragment is missing"));
     }
     const std::size_t length = item->getLength();
-    const bool begins = length > 4 && ((bytes[0] == 0xFF && bytes[1] == 0x4F) ||
-                                       (bytes[4] == 'j' && bytes[5] == 'P'));
+    const bool begins =
+        length > 4 && ((bytes[0] == 0xFF && (bytes[1] == 0x4F || bytes[1] == 0xD8)) ||
+                       (bytes[4] == 'j' && bytes[5] == 'P'));
     if (streams.empty() || oneEach || (frames > 1 && begins)) streams.emplace_back();
     streams.back().insert(streams.back().end(), bytes, bytes + length);
   }
@@ -194,6 +209,26 @@ Result<DecodedFacts> decodeJpeg2000Frames(DcmPixelData& pixels, const DicomFile&
     sink(f, image->values);
   }
   return facts;
+}
+
+/// Whether the code streams of JPEG, JPEG-LS and RLE are of the size that the header states.
+Result<void> checkCodeStreams(DcmDataset& dataset, const DicomFile& file) {
+  const bool rle = file.transferSyntax == "1.2.840.10008.1.2.5";
+  if (!rle && !isJpeg(file.transferSyntax)) return {};
+  DcmPixelData* pixels = pixelDataOf(dataset);
+  if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
+  const auto streams = codeStreams(*pixels, file);
+  if (!streams) return fail(streams.error());
+  for (const auto& stream : *streams) {
+    if (rle ? rleIsOfSize(stream, file.bitsAllocated / 8, pixelsPerFrame(file))
+            : jpegIsOfSize(stream, file.columns, file.rows)) {
+      continue;
+    }
+    return fail(cannotDecode(file, "a code stream is damaged, or not of the stated " +
+                                       std::to_string(file.columns) + " x " +
+                                       std::to_string(file.rows) + " pixels"));
+  }
+  return {};
 }
 
 /// All bytes of the pixel data in native form, little-endian.
@@ -224,13 +259,11 @@ Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& vis
     return fail(cannotDecode(file, "its modality table cannot be read"));
   }
   if (isJpeg2000(file.transferSyntax)) {
-    DcmElement* element = nullptr;
-    (void)dataset.findAndGetElement(DCM_PixelData, element);
-    // A damaged file may state another kind of value there.
-    auto* pixels = dynamic_cast<DcmPixelData*>(element);
+    DcmPixelData* pixels = pixelDataOf(dataset);
     if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
     return decodeJpeg2000Frames(*pixels, file, sink);
   }
+  if (auto sizes = checkCodeStreams(dataset, file); !sizes) return fail(sizes.error());
   if (file.bitsAllocated == 32 && dataset.getOriginalXfer() == EXS_BigEndianExplicit) {
     return fail(cannotDecode(file, "32-bit pixels in this byte order are not read"));
   }
