@@ -8,6 +8,20 @@ const std::array<const char*, 8> kPhaseNames{
 
 namespace {
 
+// Phases are compared and kept for every frame; what is longer is no phase.
+constexpr Uint32 kMaxPhase = 1024;
+
+std::vector<std::string> noPhase() {
+  return std::vector<std::string>(kPhaseNames.size());
+}
+
+std::string phaseText(DcmItem& item, const DcmTagKey& tag) {
+  DcmElement* element = nullptr;
+  if (item.findAndGetElement(tag, element).bad() || element->getLengthField() > kMaxPhase)
+    return {};
+  return dicomText(item, tag);
+}
+
 void readVector(DcmItem& item, const DcmTagKey& tag, unsigned long from, Eigen::Vector3d& v,
                 bool& complete) {
   for (unsigned long i = 0; i < 3; ++i) {
@@ -46,14 +60,14 @@ DicomFrame readClassic(DcmItem& dataset) {
   readOrientation(dataset, frame);
   readMeasures(dataset, frame);
   readRescale(dataset, frame);
-  frame.phase = {dicomText(dataset, DCM_TemporalPositionIdentifier),
-                 dicomText(dataset, DCM_TriggerTime),
-                 dicomText(dataset, DCM_EchoTime),
-                 dicomText(dataset, DCM_DiffusionBValue),
-                 dicomText(dataset, DCM_ImageType),
+  frame.phase = {phaseText(dataset, DCM_TemporalPositionIdentifier),
+                 phaseText(dataset, DCM_TriggerTime),
+                 phaseText(dataset, DCM_EchoTime),
+                 phaseText(dataset, DCM_DiffusionBValue),
+                 phaseText(dataset, DCM_ImageType),
                  "",
-                 dicomText(dataset, DCM_AcquisitionNumber),
-                 dicomText(dataset, DCM_AcquisitionTime)};
+                 phaseText(dataset, DCM_AcquisitionNumber),
+                 phaseText(dataset, DCM_AcquisitionTime)};
   return frame;
 }
 
@@ -68,7 +82,7 @@ DcmItem* groupOf(DcmItem* frameGroups, DcmItem* sharedGroups, const DcmTagKey& t
 
 DicomFrame readEnhanced(DcmItem* own, DcmItem* shared) {
   DicomFrame frame;
-  frame.phase.assign(kPhaseNames.size(), "");
+  frame.phase = noPhase();
   if (DcmItem* g = groupOf(own, shared, DCM_PlanePositionSequence)) readPosition(*g, frame);
   if (DcmItem* g = groupOf(own, shared, DCM_PlaneOrientationSequence)) readOrientation(*g, frame);
   if (DcmItem* g = groupOf(own, shared, DCM_PixelMeasuresSequence)) readMeasures(*g, frame);
@@ -76,44 +90,52 @@ DicomFrame readEnhanced(DcmItem* own, DcmItem* shared) {
     readRescale(*g, frame);
   }
   if (DcmItem* g = groupOf(own, shared, DCM_FrameContentSequence)) {
-    frame.phase[0] = dicomText(*g, DCM_TemporalPositionIndex);
-    frame.phase[5] = dicomText(*g, DCM_StackID);
+    frame.phase[0] = phaseText(*g, DCM_TemporalPositionIndex);
+    frame.phase[5] = phaseText(*g, DCM_StackID);
   }
   if (DcmItem* g = groupOf(own, shared, DCM_CardiacSynchronizationSequence)) {
-    frame.phase[1] = dicomText(*g, DCM_NominalCardiacTriggerDelayTime);
+    frame.phase[1] = phaseText(*g, DCM_NominalCardiacTriggerDelayTime);
   }
   if (DcmItem* g = groupOf(own, shared, DCM_MREchoSequence)) {
-    frame.phase[2] = dicomText(*g, DCM_EffectiveEchoTime);
+    frame.phase[2] = phaseText(*g, DCM_EffectiveEchoTime);
   }
   if (DcmItem* g = groupOf(own, shared, DCM_MRDiffusionSequence)) {
-    frame.phase[3] = dicomText(*g, DCM_DiffusionBValue);
+    frame.phase[3] = phaseText(*g, DCM_DiffusionBValue);
   }
   for (const DcmTagKey& tag : {DCM_MRImageFrameTypeSequence, DCM_CTImageFrameTypeSequence}) {
-    if (DcmItem* g = groupOf(own, shared, tag)) frame.phase[4] = dicomText(*g, DCM_FrameType);
+    if (DcmItem* g = groupOf(own, shared, tag)) frame.phase[4] = phaseText(*g, DCM_FrameType);
   }
   return frame;
 }
 
 }  // namespace
 
-std::vector<DicomFrame> readDicomFrames(DcmItem& dataset, std::uint32_t count) {
-  std::vector<DicomFrame> frames;
+std::string readDicomFrames(DcmItem& dataset, std::uint32_t count,
+                            std::vector<DicomFrame>& frames) {
   DcmItem* shared = nullptr;
   (void)dataset.findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, shared, 0);
   DcmSequenceOfItems* perFrame = nullptr;
   (void)dataset.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, perFrame);
-  for (std::uint32_t f = 0; f < count; ++f) {
-    DcmItem* own = perFrame != nullptr && f < perFrame->card() ? perFrame->getItem(f) : nullptr;
-    if (shared == nullptr && own == nullptr) {
-      frames.push_back(readClassic(dataset));
-      // One position cannot be that of many frames.
-      if (count > 1) frames.back().hasPosition = false;
-    } else {
-      frames.push_back(readEnhanced(own, shared));
-    }
-    frames.back().number = f;
+  if (perFrame != nullptr && perFrame->card() != count) {
+    return "it describes " + std::to_string(perFrame->card()) + " of its " + std::to_string(count) +
+           " frames";
   }
-  return frames;
+  if (shared == nullptr && perFrame == nullptr) {
+    DicomFrame frame = readClassic(dataset);
+    // One position cannot be that of many frames.
+    if (count > 1) frame.hasPosition = false;
+    if (count > 1) frame.phase = noPhase();
+    frames.assign(count, frame);
+  } else {
+    // From one to the next: getItem() counts from the first every time.
+    DcmObject* own = nullptr;
+    for (std::uint32_t f = 0; f < count; ++f) {
+      if (perFrame != nullptr) own = perFrame->nextInContainer(own);
+      frames.push_back(readEnhanced(dynamic_cast<DcmItem*>(own), shared));
+    }
+  }
+  for (std::uint32_t f = 0; f < count; ++f) frames[f].number = f;
+  return {};
 }
 
 }  // namespace palpate

@@ -10,7 +10,9 @@
 
 namespace palpate {
 
-/// `count` frames; what the file does not say stays unset.
-[[nodiscard]] std::vector<DicomFrame> readDicomFrames(DcmItem& dataset, std::uint32_t count);
+/// `count` frames; what the file does not say stays unset. Returns why they cannot be told apart,
+/// as DicomFile::problem; empty when they can.
+[[nodiscard]] std::string readDicomFrames(DcmItem& dataset, std::uint32_t count,
+                                          std::vector<DicomFrame>& frames);
 
 }  // namespace palpate

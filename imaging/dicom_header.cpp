@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 
 #include "imaging/dicom_frames.h"
+#include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 
 namespace palpate {
@@ -12,6 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kMaxFrames = 100'000;
+constexpr std::uint32_t kMaxSide = 65'535;  // Rows and Columns are of sixteen bits.
 // Palpate's largest grid; above it a header is damaged.
 constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
 // What a lossy codec may reach on an empty slice with room to spare. A header that claims more is
@@ -44,21 +47,57 @@ std::string problemOf(DcmItem& dataset, const DicomFile& file) {
                        file.bitsStored >= 1 && file.bitsStored <= file.bitsAllocated &&
                        file.highBit < file.bitsAllocated && file.highBit + 1 >= file.bitsStored;
   if (!bitsFit) return "its pixels have an impossible number of bits";
-  const std::uint64_t pixels = std::uint64_t{file.rows} * file.columns * file.frames.size();
-  if (pixels > kMaxVoxels || pixels > file.bytes * kMaxInflation) {
-    return "it states an image of an impossible size";
+  return {};
+}
+
+/// 0 when the file states a number that is none.
+std::uint32_t frameCount(DcmItem& dataset) {
+  DcmElement* element = nullptr;
+  if (dataset.findAndGetElement(DCM_NumberOfFrames, element).bad() || element == nullptr ||
+      element->getLengthField() == 0) {
+    return 1;
+  }
+  double count = 0.0;
+  if (!dicomNumber(dataset, DCM_NumberOfFrames, count) || count != std::trunc(count) ||
+      count < 0.0 || count > kMaxFrames) {
+    return 0;
+  }
+  return std::max(static_cast<std::uint32_t>(count), 1U);
+}
+
+bool isNative(const std::string& uid) {
+  return uid == "1.2.840.10008.1.2" || uid == "1.2.840.10008.1.2.1" || uid == "1.2.840.10008.1.2.2";
+}
+
+/// Pixels that a byte of the file can become at most. Native ones that are missing are looked for
+/// in isCutShort().
+std::uint64_t maxInflation(const std::string& uid) {
+  if (uid == "1.2.840.10008.1.2.1.99") return 1100;  // deflate: 1032 to one
+  if (uid == "1.2.840.10008.1.2.5") return 64;       // RLE: 128 bytes from two
+  // Huffman-coded JPEG: two bits or more for each block of 64.
+  if (uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70") return 256;
+  return kMaxInflation;
+}
+
+std::string problemOfSize(const DicomFile& file, std::uint32_t frames) {
+  if (frames == 0) return "it states an impossible number of frames";
+  const std::uint64_t slice = std::uint64_t{file.rows} * file.columns;
+  const bool fits = file.rows <= kMaxSide && file.columns <= kMaxSide &&
+                    slice <= kMaxVoxels / frames &&
+                    slice * frames <= file.bytes * maxInflation(file.transferSyntax);
+  if (!fits) {
+    return "it states an image of an impossible size (" + std::to_string(file.columns) + " x " +
+           std::to_string(file.rows) + " pixels, " + std::to_string(frames) +
+           (frames == 1 ? " frame)" : " frames)");
   }
   return {};
 }
 
 /// Native pixels must be there in full; compressed ones are found short when they are decoded.
 bool isCutShort(const DicomFile& file) {
-  const bool native = file.transferSyntax == "1.2.840.10008.1.2" ||
-                      file.transferSyntax == "1.2.840.10008.1.2.1" ||
-                      file.transferSyntax == "1.2.840.10008.1.2.2";
   const std::uint64_t bits =
       std::uint64_t{file.rows} * file.columns * file.frames.size() * file.bitsAllocated;
-  return native && bits / 8 > file.bytes;
+  return isNative(file.transferSyntax) && bits / 8 > file.bytes;
 }
 
 bool lossySyntax(const std::string& uid) {
@@ -69,11 +108,21 @@ bool lossySyntax(const std::string& uid) {
          uid == "1.2.840.10008.1.2.4.81";
 }
 
+/// Why the file's frames cannot be told; empty when they can.
+std::string readFrames(DcmItem& dataset, DicomFile& file) {
+  const std::uint32_t frames = frameCount(dataset);
+  const std::string problem = problemOfSize(file, frames);
+  return problem.empty() ? readDicomFrames(dataset, frames, file.frames) : problem;
+}
+
 }  // namespace
 
 std::string transferSyntaxName(const std::string& uid) {
   const DcmXfer syntax(uid.c_str());
-  return syntax.getXfer() == EXS_Unknown ? uid : std::string(syntax.getXferName());
+  if (syntax.getXfer() != EXS_Unknown) return syntax.getXferName();
+  // A damaged file may hold anything there, a name too.
+  const bool isUid = uid.size() <= 64 && uid.find_first_not_of("0123456789.") == std::string::npos;
+  return isUid ? uid : "unknown transfer syntax";
 }
 
 bool mayBeDicom(const fs::path& file) {
@@ -97,9 +146,7 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   if (!mayBeDicom(path)) return std::nullopt;
   prepareDicomToolkit();
   DcmFileFormat format;
-  const OFCondition loaded =
-      format.loadFileUntilTag(OFFilename(path.c_str()), EXS_Unknown, EGL_noChange,
-                              DCM_MaxReadLength, ERM_autoDetect, DCM_PixelData);
+  const DicomParse parse = parseDicom(format, path, DCM_PixelData);
   DcmDataset* dataset = format.getDataset();
   const bool usable =
       dataset != nullptr && (dataset->tagExists(DCM_SOPClassUID) || dataset->tagExists(DCM_Rows));
@@ -110,7 +157,7 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.bytes = fs::file_size(path, ec);
   file.seriesUid = dicomText(*dataset, DCM_SeriesInstanceUID);
   file.instanceUid = dicomText(*dataset, DCM_SOPInstanceUID);
-  file.modality = dicomText(*dataset, DCM_Modality);
+  file.modality = dicomCode(*dataset, DCM_Modality);
   file.description = dicomUtf8(*dataset, DCM_SeriesDescription);
   file.patientName = dicomUtf8(*dataset, DCM_PatientName);
   file.patientId = dicomUtf8(*dataset, DCM_PatientID);
@@ -119,7 +166,7 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
                                      ? dicomText(*format.getMetaInfo(), DCM_TransferSyntaxUID)
                                      : std::string();
   if (!metaSyntax.empty()) file.transferSyntax = metaSyntax;
-  file.photometric = dicomText(*dataset, DCM_PhotometricInterpretation);
+  file.photometric = dicomCode(*dataset, DCM_PhotometricInterpretation);
   file.rows = whole(*dataset, DCM_Rows, 0);
   file.columns = whole(*dataset, DCM_Columns, 0);
   file.samples = whole(*dataset, DCM_SamplesPerPixel, 1);
@@ -132,12 +179,12 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
       lossySyntax(file.transferSyntax) || dicomText(*dataset, DCM_LossyImageCompression) == "01";
   DcmItem* lut = nullptr;
   file.modalityLut = dataset->findAndGetSequenceItem(DCM_ModalityLUTSequence, lut, 0).good();
-  const std::uint32_t frames = std::max(whole(*dataset, DCM_NumberOfFrames, 1), 1U);
-  file.frames = readDicomFrames(*dataset, std::min(frames, kMaxFrames));
   file.problem = problemOf(*dataset, file);
-  if (file.problem.empty() && (loaded.bad() || isCutShort(file))) {
-    file.problem = kDamagedFile;
-  }
+  const bool isGreyImage = file.problem.empty();
+  if (isGreyImage) file.problem = readFrames(*dataset, file);
+  if (file.problem.empty() && (!parse.complete() || isCutShort(file))) file.problem = kDamagedFile;
+  if (!parse.limit.empty()) file.problem = parse.limit;
+  file.damaged = !parse.complete() || (isGreyImage && !file.problem.empty());
   return file;
 }
 

@@ -43,7 +43,8 @@ struct DicomFile {
   bool lossy = false;
   bool modalityLut = false;
   std::vector<DicomFrame> frames;
-  std::string problem;  ///< Why there is no grey image to read; empty when there is.
+  bool damaged = false;  ///< The file ends early or is not what DICOM allows.
+  std::string problem;   ///< Why there is no grey image to read; empty when there is.
 };
 
 /// The problem of a file that should hold an image but ends early.
@@ -54,7 +55,7 @@ inline constexpr const char* kDamagedFile = "it is damaged or cut short";
 /// Empty when the file is not a DICOM image object at all (text, DICOMDIR, damaged beyond reading).
 /// Any thread.
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path& file);
-/// "JPEG 2000 (lossless only)"; the UID itself when unknown.
+/// "JPEG 2000 (lossless only)"; the UID itself when unknown, if it is one.
 [[nodiscard]] std::string transferSyntaxName(const std::string& uid);
 
 }  // namespace palpate

@@ -43,10 +43,14 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
     stack.reason = why;
     stack.needsRepair = false;
   };
+  std::vector<FrameRef> frames = stack.duplicates;
+  for (const std::size_t slice : stack.duplicateOf) frames.push_back(stack.slices[slice]);
+  const auto digests = imageDigests(files, frames);
+  if (!digests) return refuse("one of its images cannot be decoded");
   for (std::size_t d = 0; d < stack.duplicates.size(); ++d) {
-    const auto same = sameImage(files, stack.duplicates[d], stack.slices[stack.duplicateOf[d]]);
-    if (!same) return refuse("one of its images cannot be decoded");
-    if (!*same) {
+    const FrameRef& copy = stack.duplicates[d];
+    const FrameRef& slice = stack.slices[stack.duplicateOf[d]];
+    if (digests->at({copy.file, copy.frame}) != digests->at({slice.file, slice.frame})) {
       return refuse("different images lie at the same place (" +
                     std::to_string(stack.duplicates.size() + stack.slices.size()) + " images at " +
                     std::to_string(stack.slices.size()) + " places)");
@@ -59,7 +63,7 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {
   const std::string& series = files[stack.slices.front().file].seriesUid;
   const auto damaged = std::count_if(files.begin(), files.end(), [&](const DicomFile& f) {
-    return f.seriesUid == series && f.problem == kDamagedFile;
+    return f.seriesUid == series && f.damaged;
   });
   if (damaged == 0) return;
   stack.reason = std::to_string(damaged) + " of its files are damaged or cut short";

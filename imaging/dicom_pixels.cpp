@@ -5,8 +5,12 @@
 #include <dcmtk/dcmdata/dcpxitem.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <exception>
 
+#include "imaging/code_stream_size.h"
+#include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 #include "imaging/jpeg2000.h"
 
@@ -64,9 +68,9 @@ void readCells(const DicomFile& file, const std::uint8_t* bytes, std::size_t fir
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t p = firstPixel + i;
         const std::uint8_t* pair = bytes + p / 2 * 3;
-        const auto low = static_cast<std::uint32_t>(pair[0] | (pair[1] & 15U) << 8U);
-        const auto high = static_cast<std::uint32_t>(pair[1] >> 4U | pair[2] << 4U);
-        out[i] = number(p % 2 == 0 ? low : high);
+        // The last of an odd number of pixels has no third byte.
+        out[i] = number(p % 2 == 0 ? pair[0] | (pair[1] & 15U) << 8U
+                                   : static_cast<std::uint32_t>(pair[1] >> 4U | pair[2] << 4U));
       }
       break;
     case 16:
@@ -85,6 +89,12 @@ void readCells(const DicomFile& file, const std::uint8_t* bytes, std::size_t fir
   }
 }
 
+/// Whether numbers of 32 bits without sign went beyond what std::int32_t holds.
+bool tooLarge(const DicomFile& file, const std::vector<std::int32_t>& values) {
+  return file.bitsStored == 32 && !file.isSigned &&
+         std::any_of(values.begin(), values.end(), [](std::int32_t v) { return v < 0; });
+}
+
 std::size_t bytesForPixels(const DicomFile& file, std::size_t pixels) {
   return file.bitsAllocated == 12 ? (pixels * 3 + 1) / 2 : pixels * file.bitsAllocated / 8;
 }
@@ -101,8 +111,10 @@ bool readLut(DcmItem& dataset, const DicomFile& file, ModalityLut& lut) {
       item->findAndGetUint16Array(DCM_LUTData, data, &count).bad() || data == nullptr) {
     return false;
   }
+  // Numbers of sixteen bits, whatever the file writes them as.
+  if (entries < 0.0 || entries > 65536.0 || std::abs(first) > 65536.0) return false;
   const auto wanted = entries == 0.0 ? 65536UL : static_cast<unsigned long>(entries);
-  if (entries < 0.0 || count < wanted) return false;
+  if (count < wanted) return false;
   lut.first = file.isSigned ? static_cast<std::int16_t>(static_cast<std::int32_t>(first))
                             : static_cast<std::int32_t>(first);
   lut.values.assign(data, data + wanted);
@@ -132,7 +144,20 @@ bool isJpeg2000(const std::string& uid) {
   return uid == "1.2.840.10008.1.2.4.90" || uid == "1.2.840.10008.1.2.4.91";
 }
 
-/// The code streams of the frames: one fragment each, or cut where a stream begins (FF4F FF51).
+bool isJpeg(const std::string& uid) {
+  return uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70" ||
+         uid == "1.2.840.10008.1.2.4.80" || uid == "1.2.840.10008.1.2.4.81";
+}
+
+/// None where a damaged file states another kind of value there.
+DcmPixelData* pixelDataOf(DcmDataset& dataset) {
+  DcmElement* element = nullptr;
+  (void)dataset.findAndGetElement(DCM_PixelData, element);
+  return dynamic_cast<DcmPixelData*>(element);
+}
+
+/// The code streams of the frames: one fragment each, or cut where a stream begins (FF4F, FFD8,
+/// or the box of a JP2 file).
 Result<std::vector<std::vector<std::uint8_t>>> codeStreams(DcmPixelData& pixels,
                                                            const DicomFile& file) {
   E_TransferSyntax syntax = EXS_Unknown;
@@ -146,15 +171,18 @@ Result<std::vector<std::vector<std::uint8_t>>> codeStreams(DcmPixelData& pixels,
   const std::size_t frames = file.frames.size();
   const bool oneEach = sequence->card() - 1 == frames;
   std::vector<std::vector<std::uint8_t>> streams;
-  for (unsigned long i = 1; i < sequence->card(); ++i) {
-    DcmPixelItem* item = nullptr;
+  // From one to the next, after the table of offsets: getItem() counts from the first every time.
+  DcmObject* next = sequence->nextInContainer(nullptr);
+  while ((next = sequence->nextInContainer(next)) != nullptr) {
+    auto* item = dynamic_cast<DcmPixelItem*>(next);
     Uint8* bytes = nullptr;
-    if (sequence->getItem(item, i).bad() || item->getUint8Array(bytes).bad() || bytes == nullptr) {
+    if (item == nullptr || item->getUint8Array(bytes).bad() || bytes == nullptr) {
       return fail(cannotDecode(file, "a fragment is missing"));
     }
     const std::size_t length = item->getLength();
-    const bool begins = length > 4 && ((bytes[0] == 0xFF && bytes[1] == 0x4F) ||
-                                       (bytes[4] == 'j' && bytes[5] == 'P'));
+    const bool begins =
+        length > 4 && ((bytes[0] == 0xFF && (bytes[1] == 0x4F || bytes[1] == 0xD8)) ||
+                       (bytes[4] == 'j' && bytes[5] == 'P'));
     if (streams.empty() || oneEach || (frames > 1 && begins)) streams.emplace_back();
     streams.back().insert(streams.back().end(), bytes, bytes + length);
   }
@@ -183,6 +211,26 @@ Result<DecodedFacts> decodeJpeg2000Frames(DcmPixelData& pixels, const DicomFile&
   return facts;
 }
 
+/// Whether the code streams of JPEG, JPEG-LS and RLE are of the size that the header states.
+Result<void> checkCodeStreams(DcmDataset& dataset, const DicomFile& file) {
+  const bool rle = file.transferSyntax == "1.2.840.10008.1.2.5";
+  if (!rle && !isJpeg(file.transferSyntax)) return {};
+  DcmPixelData* pixels = pixelDataOf(dataset);
+  if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
+  const auto streams = codeStreams(*pixels, file);
+  if (!streams) return fail(streams.error());
+  for (const auto& stream : *streams) {
+    if (rle ? rleIsOfSize(stream, file.bitsAllocated / 8, pixelsPerFrame(file))
+            : jpegIsOfSize(stream, file.columns, file.rows)) {
+      continue;
+    }
+    return fail(cannotDecode(file, "a code stream is damaged, or not of the stated " +
+                                       std::to_string(file.columns) + " x " +
+                                       std::to_string(file.rows) + " pixels"));
+  }
+  return {};
+}
+
 /// All bytes of the pixel data in native form, little-endian.
 std::span<const std::uint8_t> nativeBytes(DcmDataset& dataset) {
   DcmElement* element = nullptr;
@@ -198,14 +246,12 @@ std::span<const std::uint8_t> nativeBytes(DcmDataset& dataset) {
   return {};
 }
 
-}  // namespace
-
-Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
-  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& visit) {
   prepareDicomToolkit();
   DcmFileFormat format;
-  if (format.loadFile(OFFilename(file.path.c_str())).bad()) {
-    return fail(cannotDecode(file, "it is damaged or cut short"));
+  const DicomParse parse = parseDicom(format, file.path);
+  if (!parse.complete()) {
+    return fail(cannotDecode(file, parse.limit.empty() ? kDamagedFile : parse.limit));
   }
   DcmDataset& dataset = *format.getDataset();
   FrameSink sink{visit, {}};
@@ -213,12 +259,11 @@ Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor
     return fail(cannotDecode(file, "its modality table cannot be read"));
   }
   if (isJpeg2000(file.transferSyntax)) {
-    DcmElement* element = nullptr;
-    if (dataset.findAndGetElement(DCM_PixelData, element).bad()) {
-      return fail(cannotDecode(file, "it holds no pixels"));
-    }
-    return decodeJpeg2000Frames(static_cast<DcmPixelData&>(*element), file, sink);
+    DcmPixelData* pixels = pixelDataOf(dataset);
+    if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
+    return decodeJpeg2000Frames(*pixels, file, sink);
   }
+  if (auto sizes = checkCodeStreams(dataset, file); !sizes) return fail(sizes.error());
   if (file.bitsAllocated == 32 && dataset.getOriginalXfer() == EXS_BigEndianExplicit) {
     return fail(cannotDecode(file, "32-bit pixels in this byte order are not read"));
   }
@@ -234,9 +279,24 @@ Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor
   std::vector<std::int32_t> values;
   for (std::uint32_t f = 0; f < file.frames.size(); ++f) {
     readCells(file, bytes.data(), f * frame, values);
+    if (tooLarge(file, values)) {
+      return fail(cannotDecode(file, "its values are larger than 31 bits"));
+    }
     sink(f, values);
   }
   return DecodedFacts{};
+}
+
+}  // namespace
+
+Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
+  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+  try {
+    return decodeFrames(file, visit);
+  } catch (const std::exception&) {
+    // DCMTK throws at some damaged values; a damaged size may ask for more memory than there is.
+    return fail(cannotDecode(file, kDamagedFile));
+  }
 }
 
 }  // namespace palpate

@@ -17,6 +17,11 @@ namespace {
 constexpr double kPlaceTolerance_mm = 0.05;
 // Two images nearer than this lie at the same place.
 constexpr double kSamePlace_mm = 0.01;
+// A tenth of a micrometre, and a kilometre: beyond them a header is damaged.
+constexpr double kMinSpacing_mm = 1e-4;
+constexpr double kMaxPosition_mm = 1e6;
+// Palpate's largest grid.
+constexpr std::size_t kMaxVoxels = std::size_t{1} << 31U;
 // Direction cosines that differ by more are another orientation (0.06 degrees).
 constexpr double kSameDirection = 1e-3;
 
@@ -97,10 +102,13 @@ std::vector<Group> splitPhases(const std::vector<DicomFile>& files, const Group&
 
 std::string geometryProblem(const DicomFrame& f) {
   if (!f.hasSpacing) return "it states no pixel spacing";
-  if (!(f.spacing_mm.minCoeff() > 0.0) || f.spacing_mm.maxCoeff() > 1000.0) {
+  if (!(f.spacing_mm.minCoeff() >= kMinSpacing_mm) || f.spacing_mm.maxCoeff() > 1000.0) {
     return "its pixel spacing is not a length";
   }
   if (!f.hasPosition) return "it states no position in the patient";
+  if (f.position_mm.cwiseAbs().maxCoeff() > kMaxPosition_mm) {
+    return "its position is far outside of any scanner";
+  }
   if (!f.hasOrientation) return "it states no orientation in the patient";
   const bool square = std::abs(f.row.norm() - 1.0) < 1e-3 &&
                       std::abs(f.column.norm() - 1.0) < 1e-3 &&
@@ -162,6 +170,10 @@ void orderSlices(const std::vector<DicomFile>& files, const Eigen::Vector3d& nor
 
 void judgeShape(DicomStack& stack) {
   const StackShape& s = stack.shape;
+  if (stack.geometry.voxelCount() > kMaxVoxels) {
+    stack.reason = "it has more voxels than Palpate holds (2^31)";
+    return;
+  }
   if (s.minGap_mm < kSamePlace_mm && stack.slices.size() > 1) {
     stack.reason = "several of its images share one plane at different places";
     return;

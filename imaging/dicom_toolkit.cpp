@@ -32,8 +32,9 @@ constexpr Uint32 kMaxText = 1U << 16U;
 
 bool isShort(DcmItem& item, const DcmTagKey& tag) {
   DcmElement* element = nullptr;
+  // The length as written: getLength() of a text first reads the text.
   return item.findAndGetElement(tag, element).good() && element != nullptr &&
-         element->getLength() <= kMaxText;
+         element->getLengthField() <= kMaxText;
 }
 
 std::string trimmed(std::string text) {
@@ -110,6 +111,15 @@ bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value, unsigned lo
   if (!std::isfinite(number)) return false;
   value = number;
   return true;
+}
+
+std::string dicomCode(DcmItem& item, const DcmTagKey& tag) {
+  const std::string text = dicomText(item, tag);
+  const bool isCode =
+      text.size() <= 16 && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' || c == '_';
+      });
+  return isCode ? text : "?";
 }
 
 std::string dicomUtf8(DcmItem& item, const DcmTagKey& tag) {

@@ -12,6 +12,9 @@ namespace palpate {
 void prepareDicomToolkit();
 
 [[nodiscard]] std::string dicomText(DcmItem& item, const DcmTagKey& tag);
+/// A code of capitals and digits (PS3.5, "CS"), to be repeated in messages; "?" when the file holds
+/// something else there, which may be a name. Empty when missing.
+[[nodiscard]] std::string dicomCode(DcmItem& item, const DcmTagKey& tag);
 /// False when missing or not a finite number.
 [[nodiscard]] bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value,
                                unsigned long position = 0);

@@ -1,13 +1,16 @@
 #include "imaging/dicom_volume.h"
 
+#include <openssl/evp.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "imaging/dicom_pixels.h"
 
@@ -121,6 +124,20 @@ Result<LoadedStack> attempt(Loader& loader, const std::vector<FileWork>& works,
   return LoadedStack{std::move(loader.volume), loader.lossy};
 }
 
+std::string digestOf(const DicomFrame& frame, std::span<const std::int32_t> values) {
+  std::vector<double> rescaled;
+  rescaled.reserve(values.size());
+  for (const std::int32_t v : values) {
+    // + 0.0: zero has one sign only.
+    rescaled.push_back(static_cast<double>(v) * frame.slope + frame.intercept + 0.0);
+  }
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  EVP_Digest(rescaled.data(), rescaled.size() * sizeof(double), digest.data(), &length,
+             EVP_sha256(), nullptr);
+  return {digest.begin(), digest.begin() + length};
+}
+
 }  // namespace
 
 Result<LoadedStack> loadStack(const std::vector<DicomFile>& files, const DicomStack& stack,
@@ -141,24 +158,22 @@ Result<LoadedStack> loadStack(const std::vector<DicomFile>& files, const DicomSt
   return loaded;
 }
 
-Result<bool> sameImage(const std::vector<DicomFile>& files, const FrameRef& a, const FrameRef& b) {
-  const auto rescaled = [&](const FrameRef& ref) -> Result<std::vector<double>> {
-    std::vector<double> out;
-    const DicomFrame& frame = files[ref.file].frames[ref.frame];
-    const auto facts = decodeDicomFrames(files[ref.file], [&](std::uint32_t number, auto values) {
-      if (number != ref.frame) return;
-      for (const std::int32_t v : values) {
-        out.push_back(static_cast<double>(v) * frame.slope + frame.intercept);
+Result<ImageDigests> imageDigests(const std::vector<DicomFile>& files,
+                                  const std::vector<FrameRef>& frames) {
+  std::map<std::size_t, std::set<std::size_t>> framesOf;
+  for (const FrameRef& ref : frames) framesOf[ref.file].insert(ref.frame);
+  ImageDigests digests;
+  for (const auto& entry : framesOf) {
+    const std::size_t file = entry.first;
+    const std::set<std::size_t>& wanted = entry.second;
+    const auto facts = decodeDicomFrames(files[file], [&](std::uint32_t number, auto values) {
+      if (wanted.contains(number)) {
+        digests[{file, number}] = digestOf(files[file].frames[number], values);
       }
     });
     if (!facts) return fail(facts.error());
-    return out;
-  };
-  const auto first = rescaled(a);
-  if (!first) return fail(first.error());
-  const auto second = rescaled(b);
-  if (!second) return fail(second.error());
-  return *first == *second;
+  }
+  return digests;
 }
 
 }  // namespace palpate
