@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#ifdef PALPATE_DICOM_SEEDS
+#include "tests/fuzz/dicom_seeds.h"
+#endif
 #include "tests/fuzz/seed_trees.h"
 
 namespace {
@@ -61,5 +64,8 @@ int main(int argc, char** argv) {
         heading + "0,1,0,0,10,0,1,0,-2.5,0,0,1,3\n1,0,-1,0,1e1,1,0,0,2,0,0,1,.5\n");
   write(folder / "trajectory_file", "rounded.csv",
         heading + " 5 , 0.707107,-0.707107,0,0, 0.707107,0.707107,0,0, 0,0,1,0\r\n\n");
+#ifdef PALPATE_DICOM_SEEDS
+  for (const auto& [name, bytes] : palpate::dicomSeeds()) write(folder / "dicom", name, bytes);
+#endif
   return 0;
 }
