@@ -78,9 +78,6 @@ Result<CommandOutput> runImport(const ImportOptions& options, const CommandConte
   context.progress(1.0, "Imported");
   CommandOutput output;
   output.warnings = scan->warnings;
-  if (scan->lossy) {
-    output.warnings.push_back("The source was compressed with loss; measures may be off.");
-  }
   output.json = importJson(options.caseFolder, *scan, *written, output.warnings);
   output.text = importText(options.caseFolder, *scan);
   return output;

@@ -36,6 +36,7 @@ std::string problemOf(DcmItem& dataset, const DicomFile& file) {
     return "it holds no image (" +
            (file.modality.empty() ? std::string("no modality") : file.modality) + ")";
   }
+  if (file.modality == "RTDOSE") return "it holds radiation doses, not an image (RTDOSE)";
   if (file.rows == 0 || file.columns == 0) return "its image has no rows or no columns";
   if (file.samples != 1) return "its image is in colour";
   if (file.photometric != "MONOCHROME1" && file.photometric != "MONOCHROME2") {
@@ -93,11 +94,22 @@ std::string problemOfSize(const DicomFile& file, std::uint32_t frames) {
   return {};
 }
 
-/// Native pixels must be there in full; compressed ones are found short when they are decoded.
-bool isCutShort(const DicomFile& file) {
+/// Native pixels must be there in full, and no more of them stated than there is; compressed ones
+/// are found short when they are decoded. `end`: behind the tag and length of the pixels.
+bool isCutShort(const DicomFile& file, std::uint64_t end) {
+  if (!isNative(file.transferSyntax)) return false;
   const std::uint64_t bits =
       std::uint64_t{file.rows} * file.columns * file.frames.size() * file.bitsAllocated;
-  return isNative(file.transferSyntax) && bits / 8 > file.bytes;
+  const std::uint64_t left = file.bytes - std::min<std::uint64_t>(end, file.bytes);
+  if (bits / 8 > left) return true;
+  if (end < 4 || file.transferSyntax == "1.2.840.10008.1.2.2") return false;
+  std::array<unsigned char, 4> length{};
+  std::ifstream in(file.path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(end - length.size()));
+  in.read(reinterpret_cast<char*>(length.data()), length.size());
+  const std::uint64_t stated =
+      length[0] | length[1] << 8U | length[2] << 16U | static_cast<std::uint64_t>(length[3]) << 24U;
+  return stated > left;
 }
 
 bool lossySyntax(const std::string& uid) {
@@ -177,12 +189,14 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.localizer = dicomText(*dataset, DCM_ImageType).find("LOCALIZER") != std::string::npos;
   file.lossy =
       lossySyntax(file.transferSyntax) || dicomText(*dataset, DCM_LossyImageCompression) == "01";
+  file.mosaic = dicomText(*dataset, DCM_ImageType).find("MOSAIC") != std::string::npos;
   DcmItem* lut = nullptr;
   file.modalityLut = dataset->findAndGetSequenceItem(DCM_ModalityLUTSequence, lut, 0).good();
   file.problem = problemOf(*dataset, file);
   const bool isGreyImage = file.problem.empty();
   if (isGreyImage) file.problem = readFrames(*dataset, file);
-  if (file.problem.empty() && (!parse.complete() || isCutShort(file))) file.problem = kDamagedFile;
+  if (file.problem.empty() && (!parse.complete() || isCutShort(file, parse.end)))
+    file.problem = kDamagedFile;
   if (!parse.limit.empty()) file.problem = parse.limit;
   file.damaged = !parse.complete() || (isGreyImage && !file.problem.empty());
   return file;

@@ -40,6 +40,7 @@ struct DicomFile {
   std::uint32_t bitsAllocated = 0, bitsStored = 0, highBit = 0;
   bool isSigned = false;
   bool localizer = false;  ///< The scanner says that it is a scout.
+  bool mosaic = false;     ///< Many slices side by side in one image (Siemens).
   bool lossy = false;
   bool modalityLut = false;
   std::vector<DicomFrame> frames;

@@ -147,6 +147,11 @@ Error nothingThere(const fs::path& path, const DicomScan& scan) {
 }
 
 Error notAVolume(const fs::path& path, const std::string& reason) {
+  if (reason == kDamagedFile) {
+    return inputRefused("A DICOM image could not be decoded: " + reason + ".")
+        .inFile(path.string())
+        .advise("Copy the file again from where it came.");
+  }
   return inputRefused("The series cannot become a volume: " + reason + ".")
       .inFile(path.string())
       .advise("Choose another series of the study; `palpate series PATH` lists them.");
@@ -262,6 +267,11 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
   if (stacks.size() > 1) {
     scan.warnings.push_back("Left out: " + std::to_string(stacks.size() - 1) +
                             " other image stacks (scouts or other series).");
+  }
+  if (first.mosaic) {
+    scan.warnings.emplace_back(
+        "The image is a mosaic: slices side by side, not a place in the patient. Have the scanner "
+        "or the archive send them one by one.");
   }
   if (first.photometric == "MONOCHROME1") {
     scan.warnings.emplace_back(

@@ -56,6 +56,7 @@ class LimitedStream : public DcmInputStream {
     return deflated_ ? nullptr : new DcmInputFileStreamFactory(file_, tell());
   }
 
+  [[nodiscard]] bool deflated() const { return deflated_; }
   [[nodiscard]] std::string limit() const {
     if (tooDeep_) return "its sequences lie in each other deeper than an image's";
     if (tooLarge_) return "its deflated data set inflates to far more than an image";
@@ -108,6 +109,7 @@ DicomParse parseDicom(DcmFileFormat& format, const std::filesystem::path& file,
     parse.condition = EC_CorruptedData;
   }
   format.transferEnd();
+  if (!stream.deflated()) parse.end = static_cast<std::uint64_t>(stream.tell());
   parse.limit = stream.limit();
   return parse;
 }

@@ -5,6 +5,7 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -14,6 +15,8 @@ struct DicomParse {
   OFCondition condition;
   /// Which limit stopped it, as the end of a sentence; empty when none did.
   std::string limit;
+  /// Bytes of the file before the place where reading ended; 0 in a deflated one.
+  std::uint64_t end = 0;
   [[nodiscard]] bool complete() const { return condition.good() && limit.empty(); }
 };
 

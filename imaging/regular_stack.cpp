@@ -12,6 +12,7 @@ constexpr double kMaxVoxels = 2147483648.0;
 // A box of more times the voxels would be made up, not repaired; and a short file must not cost the
 // memory of a long one.
 constexpr double kMaxGrowth = 16.0;
+constexpr double kAlwaysAllowed = 1 << 24;  // a 256³ grid, which costs nothing
 
 /// A slice in the stack's own axes, relative to the first: across (in voxels) and along (mm).
 struct SlicePlace {
@@ -97,8 +98,9 @@ Result<Box> boxOf(const Volume& stack, const std::vector<SlicePlace>& places,
   const double slices = std::round(length / medianGap(places)) + 1.0;
   const double nx = stack.geometry.dims[0] + std::ceil(highU - 1e-6) - std::floor(lowU + 1e-6);
   const double ny = stack.geometry.dims[1] + std::ceil(highV - 1e-6) - std::floor(lowV + 1e-6);
-  const double largest =
-      std::min(kMaxVoxels, kMaxGrowth * static_cast<double>(stack.geometry.voxelCount()));
+  const double largest = std::min(
+      kMaxVoxels,
+      std::max(kMaxGrowth * static_cast<double>(stack.geometry.voxelCount()), kAlwaysAllowed));
   if (!(slices >= 2.0) || !(nx * ny * slices < largest)) {
     return fail(inputRefused("The repaired volume would be larger than Palpate can hold, or more "
                              "than sixteen times the series.")

@@ -163,10 +163,6 @@ void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelStat
     for (const auto& text : model.openCase.warnings) {
       notice(paint, MessageModel::Kind::Warning, text);
     }
-    if (model.openCase.lossy) {
-      notice(paint, MessageModel::Kind::Warning,
-             "The source was compressed with loss: fine detail may be missing.");
-    }
   }
   space(paint, 4.0F);
   sentence(paint, "For training and research; not for diagnosis.");

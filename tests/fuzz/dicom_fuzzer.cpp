@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In memory where the system has such a place; goes with the process.
+/// In memory where the system has such a place. Goes with the process, if that ends by itself: a
+/// crash, and the processes of -fork, leave it behind with the last input.
 class FuzzFolder {
  public:
   FuzzFolder() {

@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "The series cannot become a volume: different images lie at the same place"},
         Difficult{"dicomdir/DICOMDIR", {}, "There are several volumes in there."},
         Difficult{"file_structure/MR_truncated.dcm", {}, kUndecoded},
-        Difficult{"file_structure/GH178.dcm", {}, kNoVolume},
+        Difficult{"file_structure/GH178.dcm", {}, kUndecoded},
         Difficult{"file_structure/no_meta.dcm", {}, "The file is not a scan that Palpate reads."},
         Difficult{
             "file_structure/UN_sequence.dcm", {}, "The DICOM file holds no image, or is damaged."},
@@ -171,11 +171,12 @@ INSTANTIATE_TEST_SUITE_P(
                   {},
                   "The series cannot become a volume: its rescale slope is zero."},
         Difficult{"malformed/rows_zero.dcm", {}, kNoVolume},
-        Difficult{"malformed/rows_cols_65535.dcm",
-                  {},
-                  "The series cannot become a volume: it states an image of an impossible size (65535"},
+        Difficult{
+            "malformed/rows_cols_65535.dcm",
+            {},
+            "The series cannot become a volume: it states an image of an impossible size (65535"},
         Difficult{"malformed/pixel_length_4g.dcm", {}, kUndecoded},
-        Difficult{"malformed/truncated_half.dcm", {}, kNoVolume}));
+        Difficult{"malformed/truncated_half.dcm", {}, kUndecoded}));
 
 TEST(SharedData, TiltedHeadIsRefusedAndRepaired) {
   PALPATE_NEEDS(test::sharedData() / "archives", "shared test data");
