@@ -11,30 +11,60 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json seriesJson(const SeriesInfo& series) {
+struct SeriesOptions {
+  std::filesystem::path path;
+  bool names = false, thumbnails = false;
+};
+
+std::string hexadecimal(const std::vector<std::uint8_t>& bytes) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t b : bytes) {
+    text.push_back(kDigits[b >> 4U]);
+    text.push_back(kDigits[b & 15U]);
+  }
+  return text;
+}
+
+ordered_json thumbnailJson(const std::optional<GreyPicture>& picture) {
+  if (!picture) return nullptr;
+  return {
+      {"width", picture->width}, {"height", picture->height}, {"grey", hexadecimal(picture->grey)}};
+}
+
+ordered_json seriesJson(const SeriesInfo& series, const SeriesOptions& options) {
   ordered_json json;
   json["uid"] = series.uid;
   json["modality"] = series.modality;
   json["description"] = series.description;
+  json["study"] = series.study;
   json["files"] = series.files;
+  json["bytes"] = series.bytes;
   json["importable"] = series.importable;
   json["reason"] = series.importable ? ordered_json(nullptr) : ordered_json(series.reason);
+  json["repair"] = series.repair.empty() ? ordered_json(nullptr) : ordered_json(series.repair);
   if (series.importable) {
     addGridFields(json, series.geometry);
   } else {
     addNullGridFields(json);
   }
+  if (options.names) {
+    json["patient_name"] = series.patientName;
+    json["patient_id"] = series.patientId;
+    json["study_date"] = series.studyDate;
+  }
+  if (options.thumbnails) json["thumbnail"] = thumbnailJson(series.thumbnail);
   return json;
 }
 
-Result<CommandOutput> runSeries(const std::filesystem::path& path, const CommandContext& context) {
-  const Result<SeriesList> list = listSeries(path, context.progress);
+Result<CommandOutput> runSeries(const SeriesOptions& options, const CommandContext& context) {
+  const Result<SeriesList> list = listSeries(options.path, context.progress, options.thumbnails);
   if (!list) return fail(list.error());
   CommandOutput output;
   output.json["series"] = ordered_json::array();
   TextTable table({"modality", "files", "importable", "volume", "description", "uid"});
   for (const SeriesInfo& series : list->series) {
-    output.json["series"].push_back(seriesJson(series));
+    output.json["series"].push_back(seriesJson(series, options));
     table.add({series.modality, std::to_string(series.files), series.importable ? "yes" : "no",
                series.importable ? gridSentence(series.geometry) : series.reason,
                series.description, series.uid});
@@ -47,11 +77,15 @@ Result<CommandOutput> runSeries(const std::filesystem::path& path, const Command
 }  // namespace
 
 void addSeriesCommand(CommandSet& commands) {
-  const auto path = std::make_shared<std::filesystem::path>();
-  CLI::App* sub =
-      commands.add("series", "What a file, folder or archive holds",
-                   [path](const CommandContext& context) { return runSeries(*path, context); });
-  sub->add_option("PATH", *path, "File, folder, DICOMDIR, zip, tar or volume file")->required();
+  const auto options = std::make_shared<SeriesOptions>();
+  CLI::App* sub = commands.add(
+      "series", "What a file, folder or archive holds",
+      [options](const CommandContext& context) { return runSeries(*options, context); });
+  sub->add_option("PATH", options->path, "File, folder, DICOMDIR, zip, tar or volume file")
+      ->required();
+  sub->add_flag("--names", options->names,
+                "With --json: patient name, identifier and date of each study too");
+  sub->add_flag("--thumbnails", options->thumbnails, "With --json: a small grey picture of each");
 }
 
 }  // namespace palpate

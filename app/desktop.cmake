@@ -11,6 +11,7 @@ palpate_library(desktop
     desktop_recent.cpp
     desktop_review.cpp
     desktop_segment.cpp
+    series_rows.cpp
     desktop_signals.cpp
     desktop_simulation.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring

@@ -1,10 +1,10 @@
 /// The library: opening cases, importing scans in a child process, the demo.
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/desktop_child.h"
 #include "app/desktop_loop.h"
+#include "app/series_rows.h"
 #include "core/geometry/units.h"
 #include "imaging/segmentation.h"
 #include "ui/format.h"
@@ -16,39 +16,6 @@ namespace fs = std::filesystem;
 
 // A hostile file may ask for anything; a large CT needs about 3 GiB while it is read.
 const std::vector<std::string> kLimits{"--limit-memory-mib", "8192", "--limit-seconds", "900"};
-
-/// Untouched where a text is missing or not a text.
-std::string textOr(const nlohmann::json& json, const char* key, const std::string& otherwise) {
-  return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : otherwise;
-}
-
-std::vector<ui::SeriesRow> seriesRows(const std::string& output) {
-  std::vector<ui::SeriesRow> rows;
-  const auto json = nlohmann::json::parse(output, nullptr, false);
-  if (!json.is_object() || !json.contains("series")) return rows;
-  for (const auto& series : json["series"]) {
-    ui::SeriesRow row;
-    row.uid = textOr(series, "uid", "");
-    row.importable = series.value("importable", false);
-    row.reason = textOr(series, "reason", "");
-    const std::string description = textOr(series, "description", "");
-    const std::string modality = textOr(series, "modality", "");
-    row.title = description.empty() ? modality + " series" : modality + " \xc2\xb7 " + description;
-    if (series.contains("dims") && series["dims"].is_array() && series["dims"].size() == 3) {
-      row.detail = std::to_string(series["dims"][0].get<int>()) + " \xc3\x97 " +
-                   std::to_string(series["dims"][1].get<int>()) + " \xc3\x97 " +
-                   std::to_string(series["dims"][2].get<int>());
-    }
-    if (series.contains("spacing_mm") && series["spacing_mm"].is_array() &&
-        series["spacing_mm"].size() == 3) {
-      row.detail += " \xc2\xb7 " + ui::spacingText(series["spacing_mm"][0].get<double>(),
-                                                   series["spacing_mm"][1].get<double>(),
-                                                   series["spacing_mm"][2].get<double>());
-    }
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 }  // namespace
 
@@ -130,7 +97,8 @@ void Desktop::importScan(const fs::path& path) {
   if (jobs_.busy()) return;
   stopRun();
   jobs_.add("Looking for scans", [this, path](const Progress& progress) {
-    std::vector<std::string> arguments{"series", path.string(), "--json", "--progress"};
+    std::vector<std::string> arguments{"series",     path.string(), "--json",
+                                       "--progress", "--names",     "--thumbnails"};
     arguments.insert(arguments.end(), kLimits.begin(), kLimits.end());
     const auto output = runChild(options_.palpateExecutable, arguments, progress);
     return [this, path, output] {
@@ -140,7 +108,7 @@ void Desktop::importScan(const fs::path& path) {
       for (const auto& row : rows) {
         if (row.importable) importable.push_back(row);
       }
-      if (rows.size() > 1 && !importable.empty()) {
+      if (rows.size() > 1) {
         model_.library.series = rows;
         model_.library.seriesPath = path;
         model_.task = ui::Task::Library;
@@ -186,10 +154,12 @@ void Desktop::importInto(const fs::path& path, const std::string& uid, const fs:
   fs::create_directories(folder.parent_path(), error);
   fs::permissions(folder.parent_path(), fs::perms::owner_all, error);
   jobs_.add(demo ? "Preparing the demo case" : "Importing the scan",
-            [this, path, uid, folder, demo, repairs](const Progress& progress) {
+            [this, path, uid, folder, demo, repairs,
+             keep = model_.library.keepNames && !demo](const Progress& progress) {
               std::vector<std::string> arguments{"import",        path.string(), "--out",
                                                  folder.string(), "--json",      "--progress"};
               if (!uid.empty()) arguments.insert(arguments.end(), {"--series", uid});
+              if (keep) arguments.emplace_back("--keep-names");
               if (!repairs.empty()) arguments.insert(arguments.end(), {"--repair", repairs});
               arguments.insert(arguments.end(), kLimits.begin(), kLimits.end());
               auto output = runChild(options_.palpateExecutable, arguments, progress);

@@ -277,6 +277,7 @@ void Desktop::carryOutOne(const ui::Action& action) {
           [this](const act::Import& a) { importScan(a.path); },
           [this](const act::ImportSeries& a) { importSeries(a.path, a.uid, ""); },
           [this](const act::CloseSeriesList&) { model_.library.series.clear(); },
+          [this](const act::KeepNames& a) { model_.library.keepNames = a.yes; },
           [this](const act::CancelJob&) { jobs_.cancel(); },
           [this](const act::DismissMessage& a) {
             if (a.index >= model_.messages.size()) return;

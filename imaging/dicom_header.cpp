@@ -171,6 +171,8 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.instanceUid = dicomText(*dataset, DCM_SOPInstanceUID);
   file.modality = dicomCode(*dataset, DCM_Modality);
   file.description = dicomUtf8(*dataset, DCM_SeriesDescription);
+  file.studyUid = dicomText(*dataset, DCM_StudyInstanceUID);
+  file.studyDate = dicomText(*dataset, DCM_StudyDate);
   file.patientName = dicomUtf8(*dataset, DCM_PatientName);
   file.patientId = dicomUtf8(*dataset, DCM_PatientID);
   file.transferSyntax = DcmXfer(dataset->getOriginalXfer()).getXferID();

@@ -33,6 +33,7 @@ struct DicomFile {
   std::filesystem::path path;
   std::uintmax_t bytes = 0;
   std::string seriesUid, instanceUid, modality, description;
+  std::string studyUid, studyDate;
   std::string patientName, patientId;  ///< UTF-8. Never stored or logged.
   std::string transferSyntax;          ///< UID
   std::string photometric;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <map>
 #include <set>
 
 #include "imaging/dicom_scan.h"
 #include "imaging/dicom_series.h"
 #include "imaging/dicom_volume.h"
 #include "imaging/regular_stack.h"
+#include "imaging/thumbnail.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
@@ -84,6 +86,12 @@ std::string repairWords(const DicomStack& stack) {
   return stack.shape.tilted() ? "tilt" : "spacing";
 }
 
+void describeStudy(const DicomFile& file, SeriesInfo& info) {
+  info.patientName = file.patientName;
+  info.patientId = file.patientId;
+  info.studyDate = file.studyDate;
+}
+
 SeriesInfo infoOf(const std::vector<DicomFile>& files, const DicomStack& stack) {
   const DicomFile& first = files[stack.slices.front().file];
   std::set<std::size_t> members;
@@ -93,11 +101,15 @@ SeriesInfo infoOf(const std::vector<DicomFile>& files, const DicomStack& stack) 
   info.uid = stack.uid;
   info.modality = first.modality;
   info.description = first.description;
-  info.patientName = first.patientName;
+  describeStudy(first, info);
   info.files = members.size();
+  for (const std::size_t member : members) info.bytes += files[member].bytes;
   info.importable = stack.reason.empty();
   info.reason = stack.reason;
-  if (stack.needsRepair) info.reason += "; imports with --repair " + repairWords(stack);
+  if (stack.needsRepair) {
+    info.repair = repairWords(stack);
+    info.reason += "; imports with --repair " + info.repair;
+  }
   info.geometry = stack.geometry;
   return info;
 }
@@ -111,16 +123,29 @@ void listOthers(const std::vector<DicomFile>& files, SeriesList& list) {
                      [&](const SeriesInfo& s) { return s.uid == file.seriesUid && !s.importable; });
     if (known != list.series.end()) {
       ++known->files;
+      known->bytes += file.bytes;
       continue;
     }
     SeriesInfo info;
     info.uid = file.seriesUid;
     info.modality = file.modality;
     info.description = file.description;
-    info.patientName = file.patientName;
+    describeStudy(file, info);
     info.files = 1;
+    info.bytes = file.bytes;
     info.reason = file.problem;
     list.series.push_back(std::move(info));
+  }
+}
+
+/// By the study's UID, in the order of the list.
+void numberStudies(const std::vector<DicomFile>& files, SeriesList& list) {
+  std::map<std::string, std::string> studyOfSeries;
+  for (const DicomFile& file : files) studyOfSeries.emplace(file.seriesUid, file.studyUid);
+  std::map<std::string, std::size_t> numbers;
+  for (SeriesInfo& info : list.series) {
+    const std::string& study = studyOfSeries[info.uid.substr(0, info.uid.find('#'))];
+    info.study = numbers.emplace(study, numbers.size() + 1).first->second;
   }
 }
 
@@ -285,14 +310,23 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
 
 }  // namespace
 
-Result<SeriesList> listDicomSeries(const fs::path& path, const Progress& progress) {
+Result<SeriesList> listDicomSeries(const fs::path& path, const Progress& progress,
+                                   bool thumbnails) {
   const auto scan = scanDicom(path, progress);
   if (!scan) return fail(scan.error());
   if (scan->files.empty()) return fail(nothingThere(path, *scan));
   SeriesList list;
   list.skippedFiles = scan->skipped;
-  for (const DicomStack& stack : stacksOf(*scan)) list.series.push_back(infoOf(scan->files, stack));
+  const auto stacks = stacksOf(*scan);
+  for (const DicomStack& stack : stacks) {
+    if (progress.cancelled()) return fail(cancelled());
+    list.series.push_back(infoOf(scan->files, stack));
+    if (thumbnails) list.series.back().thumbnail = thumbnailOf(scan->files, stack);
+  }
   listOthers(scan->files, list);
+  numberStudies(scan->files, list);
+  std::stable_sort(list.series.begin(), list.series.end(),
+                   [](const SeriesInfo& a, const SeriesInfo& b) { return a.study < b.study; });
   return list;
 }
 

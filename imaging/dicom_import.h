@@ -6,7 +6,7 @@
 namespace palpate {
 
 [[nodiscard]] Result<SeriesList> listDicomSeries(const std::filesystem::path& path,
-                                                 const Progress& progress);
+                                                 const Progress& progress, bool thumbnails);
 [[nodiscard]] Result<ImportedScan> importDicom(const ImportRequest& request,
                                                const Progress& progress);
 

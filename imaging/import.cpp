@@ -83,13 +83,15 @@ void warnOfOneSlice(ImportedScan& scan) {
 
 }  // namespace
 
-Result<SeriesList> listSeries(const fs::path& path, const Progress& progress) {
+Result<SeriesList> listSeries(const fs::path& path, const Progress& progress, bool thumbnails) {
   const auto source = sourceOf(path);
   if (!source) return fail(source.error());
-  if (*source == Source::Dicom) return listDicomSeries(path, progress);
+  if (*source == Source::Dicom) return listDicomSeries(path, progress, thumbnails);
   auto info = *source == Source::Volume ? describeVolumeFile(path) : describeInvesalius(path);
   if (!info) return fail(info.error());
   info->uid = kOnlyUid;
+  std::error_code ec;
+  info->bytes = fs::file_size(path, ec);
   SeriesList list;
   list.series.push_back(std::move(*info));
   return list;

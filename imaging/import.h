@@ -1,6 +1,7 @@
 #pragma once
 /// A scan in: DICOM (file, folder, DICOMDIR, zip, tar), InVesalius .inv3, NIfTI, NRRD, MetaImage.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,13 +13,26 @@
 
 namespace palpate {
 
+inline constexpr int kThumbnailSide = 64;  ///< Pixels, at most.
+
+/// 8-bit grey, top row first.
+struct GreyPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> grey;
+};
+
 struct SeriesInfo {
   std::string uid, modality, description;
-  std::string patientName;  ///< UTF-8; shown while a study is open, never stored or logged.
+  /// UTF-8; shown while a study is open, never stored or logged. The date as written: 20260131.
+  std::string patientName, patientId, studyDate;
+  std::size_t study = 0;  ///< Series with the same number are of one study.
   std::size_t files = 0;
+  std::uintmax_t bytes = 0;  ///< Of the files.
   bool importable = false;
-  std::string reason;     ///< Why not, when not.
-  GridGeometry geometry;  ///< Valid when importable.
+  std::string reason;                    ///< Why not, when not.
+  std::string repair;                    ///< "tilt", "spacing" or both, where that would do.
+  GridGeometry geometry;                 ///< Valid when importable or with a repair.
+  std::optional<GreyPicture> thumbnail;  ///< Where asked for, and the images can be decoded.
 };
 
 struct SeriesList {
@@ -27,7 +41,7 @@ struct SeriesList {
 };
 
 [[nodiscard]] Result<SeriesList> listSeries(const std::filesystem::path& path,
-                                            const Progress& progress = {});
+                                            const Progress& progress = {}, bool thumbnails = false);
 
 struct ImportRequest {
   std::filesystem::path path;

@@ -12,7 +12,7 @@ constexpr double kMaxVoxels = 2147483648.0;
 // A box of more times the voxels would be made up, not repaired; and a short file must not cost the
 // memory of a long one.
 constexpr double kMaxGrowth = 16.0;
-constexpr double kAlwaysAllowed = 1 << 24;  // a 256³ grid, which costs nothing
+constexpr double kAlwaysAllowed = 1 << 16;  // A few tiny slices far apart: 40³ voxels.
 
 /// A slice in the stack's own axes, relative to the first: across (in voxels) and along (mm).
 struct SlicePlace {

@@ -37,6 +37,10 @@ struct ImportSeries {
   std::string uid;
 };
 struct CloseSeriesList {};
+/// Whether the next case keeps the patient's name and identifier.
+struct KeepNames {
+  bool yes;
+};
 /// Leave to resample, for the scan that is offered (LibraryModel::repairPath).
 struct ImportRepaired {
   bool yes;
@@ -124,9 +128,9 @@ namespace palpate::ui {
 
 using Action =
     std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
-                 act::Import, act::ImportSeries, act::CloseSeriesList, act::ImportRepaired,
-                 act::MeasureAccuracy, act::CancelJob, act::DismissMessage, act::Segment,
-                 act::DeleteLabel, act::ShowLabel, act::Undo, act::ChooseInstrument,
+                 act::Import, act::ImportSeries, act::CloseSeriesList, act::KeepNames,
+                 act::ImportRepaired, act::MeasureAccuracy, act::CancelJob, act::DismissMessage,
+                 act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo, act::ChooseInstrument,
                  act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop, act::Record,
                  act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
                  act::TurnHand, act::SolverIterations, act::Coupling, act::ConfirmCalibration,

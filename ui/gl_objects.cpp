@@ -49,6 +49,8 @@ Result<unsigned> compileStage(unsigned kind, const std::string& name, const std:
                   .advise("Update the graphics driver, or set LIBGL_ALWAYS_SOFTWARE=1."));
 }
 
+}  // namespace
+
 GlTexture makeTexture2D(int width, int height, int internal, unsigned format, unsigned type,
                         int filter) {
   unsigned id = 0;
@@ -61,8 +63,6 @@ GlTexture makeTexture2D(int width, int height, int internal, unsigned format, un
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   return GlTexture(id);
 }
-
-}  // namespace
 
 void freeProgram(unsigned id) {
   glDeleteProgram(id);

@@ -46,6 +46,10 @@ using GlTexture = GlHandle<freeTexture>;
 using GlBuffer = GlHandle<freeBuffer>;
 using GlVertexArray = GlHandle<freeVertexArray>;
 
+/// Without content; `filter` both ways, clamped at the edge.
+[[nodiscard]] GlTexture makeTexture2D(int width, int height, int internal, unsigned format,
+                                      unsigned type, int filter);
+
 /// A linked vertex + fragment program. Uniforms by name; unknown names are ignored (the compiler
 /// may have removed them).
 class GlProgram {

@@ -54,10 +54,20 @@ struct RecentCase {
   std::string title, detail;
 };
 
+/// 8-bit grey, top row first.
+struct SmallPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> grey;
+};
+
 struct SeriesRow {
-  std::string uid, title, detail;
+  std::string uid, title, detail,
+      size;           ///< "CT · Head", "0.5 × 0.5 × 1 mm ...", "82 files · 43 MB"
+  std::string study;  ///< Patient and date; rows of one study are together.
   bool importable = false;
+  bool repairable = false;  ///< Not a regular box, but can be resampled to one.
   std::string reason;
+  SmallPicture picture;  ///< Empty where the images cannot be decoded.
 };
 
 struct DirectoryRow {
@@ -73,6 +83,7 @@ struct LibraryModel {
   std::vector<DirectoryRow> entries;
   std::vector<SeriesRow> series;  ///< Not empty: several volumes, choose one.
   std::filesystem::path seriesPath;
+  bool keepNames = false;  ///< The next case keeps the patient's name and identifier.
   /// A scan that was refused but can be imported resampled: what is wrong, and how ("tilt").
   std::filesystem::path repairPath;
   std::string repairUid, repairWords, repairReason;

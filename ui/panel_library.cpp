@@ -71,20 +71,13 @@ void drawBrowser(const Painter& paint, const Model& model, LibraryPanelState& st
   ImGui::EndChild();
 }
 
-void drawSeries(const Painter& paint, const LibraryModel& library) {
-  section(paint, "SERIES IN THIS STUDY");
-  sentence(paint, "Several volumes were found. Choose the one to make a case of.");
-  if (button(paint, icon::kClose, "Import none", Emphasis::Normal)) {
-    paint.actions.push_back(act::CloseSeriesList{});
+void drawKeepNames(const Painter& paint, const LibraryModel& library) {
+  bool keep = library.keepNames;
+  if (toggle(paint, "Keep the patient's name", keep)) {
+    paint.actions.push_back(act::KeepNames{keep});
   }
-  for (const SeriesRow& series : library.series) {
-    const std::string detail = series.importable ? series.detail : series.reason;
-    ImGui::PushID(series.uid.c_str());
-    if (row(paint, icon::kCube, series.title, detail, false, series.importable)) {
-      paint.actions.push_back(act::ImportSeries{library.seriesPath, series.uid});
-    }
-    ImGui::PopID();
-  }
+  sentence(paint, keep ? "The case will hold the name and identifier: mind who may see it."
+                       : "The case gets a pseudonym; name and identifier stay behind.");
 }
 
 void drawRepair(const Painter& paint, const LibraryModel& library) {
@@ -119,6 +112,7 @@ void drawImport(const Painter& paint, const Model& model, LibraryPanelState& sta
   if ((entered || pressed) && idle && !state.path.empty()) {
     paint.actions.push_back(act::Import{state.path});
   }
+  drawKeepNames(paint, model.library);
   drawRepair(paint, model.library);
   if (state.browsing) drawBrowser(paint, model, state);
 }
@@ -139,8 +133,9 @@ void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelStat
              !model.job.active)) {
     paint.actions.push_back(act::OpenDemo{});
   }
+  if (model.library.series.empty()) state.thumbnails.clear();
   if (!model.library.series.empty()) {
-    drawSeries(paint, model.library);
+    drawSeriesList(paint, model.library, state.thumbnails);
     return;
   }
   drawImport(paint, model, state);

@@ -3,15 +3,21 @@
 /// and pushes actions; what a panel remembers between frames (text being typed, sliders) is its own
 /// state struct.
 
+#include <map>
 #include <string>
 
+#include "ui/gl_objects.h"
 #include "ui/model.h"
 #include "ui/view_state.h"
 #include "ui/widgets.h"
 
 namespace palpate::ui {
 
+/// Of the series listed, by UID.
+using Thumbnails = std::map<std::string, GlTexture>;
+
 struct LibraryPanelState {
+  Thumbnails thumbnails;
   std::string path;
   bool browsing = false;
 };
@@ -25,6 +31,8 @@ struct SegmentPanelState {
 };
 
 void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelState& state);
+/// The part of the Library panel where a study has several series.
+void drawSeriesList(const Painter& paint, const LibraryModel& library, Thumbnails& thumbnails);
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
                       ViewState& views);
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);

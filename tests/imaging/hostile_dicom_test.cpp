@@ -90,7 +90,7 @@ std::string notDecoded(const std::string& reason) {
   return "A DICOM image could not be decoded: " + reason + ".";
 }
 
-const std::string kDamaged = noVolume("it is damaged or cut short");
+const std::string kDamaged = notDecoded("it is damaged or cut short");
 
 std::string repeated(const std::string& part, std::size_t times) {
   std::string all;

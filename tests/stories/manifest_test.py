@@ -159,7 +159,7 @@ def expectations():
         STRUCTURE + "no_meta_group_length.dcm": refused(NO_IMAGE_HERE),
         STRUCTURE + "UN_sequence.dcm": refused(NO_IMAGE_HERE),
         STRUCTURE + "empty_charset_LEI.dcm": refused(NO_IMAGE_HERE),
-        STRUCTURE + "GH178.dcm": refused(NOT_A_VOLUME.format("it is damaged or cut short")),
+        STRUCTURE + "GH178.dcm": refused(CUT_SHORT),
         STRUCTURE + "GH220.dcm": refused(NOT_A_VOLUME.format("it holds no image (no modality)")),
 
         **{f"difficult/charset/chr{name}.dcm": refused(NO_SPACING)
@@ -179,8 +179,7 @@ def expectations():
         MALFORMED + "orientation_zero.dcm": refused(
             NOT_A_VOLUME.format("its orientation is not two perpendicular directions")),
         MALFORMED + "pixel_length_4g.dcm": refused(CUT_SHORT),
-        MALFORMED + "truncated_half.dcm": refused(
-            NOT_A_VOLUME.format("it is damaged or cut short")),
+        MALFORMED + "truncated_half.dcm": refused(CUT_SHORT),
         MALFORMED + "slope_zero.dcm": refused(NOT_A_VOLUME.format("its rescale slope is zero")),
 
         DERIVED + "duplicate_slices/": refused(NOT_A_VOLUME.format(
