@@ -9,8 +9,9 @@ namespace {
 // With the digits: figure space, figure dash and minus sign, which stand in for one.
 constexpr std::array<ImWchar, 11> kDigits{'0',    '9',    '>',    '>',    0x2007, 0x2007,
                                           0x2012, 0x2012, 0x2212, 0x2212, 0};
-// Latin, Greek (µ is Latin-1; Δ, σ), punctuation, superscripts, arrows, mathematical signs.
-constexpr std::array<ImWchar, 17> kText{0x20,   0x2f,   0x3a,   0x17f,  0x370,  0x3ff,
+// Latin, Greek, Cyrillic (µ is Latin-1; Δ, σ), punctuation, superscripts, arrows, mathematical
+// signs.
+constexpr std::array<ImWchar, 17> kText{0x20,   0x2f,   0x3a,   0x17f,  0x370,  0x52f,
                                         0x2000, 0x200b, 0x2010, 0x2044, 0x2070, 0x209f,
                                         0x2190, 0x21ff, 0x2200, 0x22ff, 0};
 constexpr std::array<ImWchar, 3> kIcons{0xf000, 0xf2e0, 0};

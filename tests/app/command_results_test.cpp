@@ -87,8 +87,9 @@ TEST_F(OnABall, Series) {
   const json found = result({"series", at("ball.mha")});
   expectKeys(found, {"series", "skipped_files"});
   ASSERT_EQ(found["series"].size(), 1U);
-  expectKeys(found["series"][0], {"uid", "modality", "description", "files", "importable", "reason",
-                                  "dims", "spacing_mm", "origin_mm", "direction"});
+  expectKeys(found["series"][0],
+             {"uid", "modality", "description", "study", "files", "bytes", "importable", "reason",
+              "repair", "dims", "spacing_mm", "origin_mm", "direction"});
   EXPECT_EQ(found["series"][0]["importable"], true);
   EXPECT_TRUE(found["series"][0]["reason"].is_null());
 }
