@@ -11,9 +11,9 @@ palpate_library(desktop
     desktop_recent.cpp
     desktop_review.cpp
     desktop_segment.cpp
-    series_rows.cpp
     desktop_signals.cpp
     desktop_simulation.cpp
+    series_rows.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
     palpate::trade
   PRIVATE nlohmann_json::nlohmann_json)

@@ -104,18 +104,14 @@ void Desktop::importScan(const fs::path& path) {
     return [this, path, output] {
       if (!output) return complain(output.error(), "Nothing was imported.");
       const auto rows = seriesRows(*output);
-      std::vector<ui::SeriesRow> importable;
-      for (const auto& row : rows) {
-        if (row.importable) importable.push_back(row);
-      }
       if (rows.size() > 1) {
         model_.library.series = rows;
         model_.library.seriesPath = path;
         model_.task = ui::Task::Library;
       } else {
         // One volume, or none: the import itself says best why it is refused.
-        importInto(path, importable.size() == 1 ? importable.front().uid : "", newCaseFolder(path),
-                   false);
+        importInto(path, rows.size() == 1 && rows[0].importable ? rows[0].uid : "",
+                   newCaseFolder(path), false);
       }
     };
   });

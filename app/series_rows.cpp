@@ -29,7 +29,7 @@ std::string readableName(std::string name) {
     if (c == '^') c = ' ';
   }
   for (std::size_t at = 0; (at = name.find('=', at)) != std::string::npos; at += 2) {
-    name.replace(at, 1, " \xc2\xb7 ");
+    name.replace(at, 1, kDot);
   }
   return name;
 }
@@ -71,8 +71,8 @@ std::string gridOf(const json& series) {
   return text;
 }
 
-ui::SmallPicture pictureOf(const json& series) {
-  ui::SmallPicture picture;
+GreyPicture pictureOf(const json& series) {
+  GreyPicture picture;
   if (!series.contains("thumbnail") || !series["thumbnail"].is_object()) return picture;
   const json& from = series["thumbnail"];
   const std::string digits = textOf(from, "grey");

@@ -188,10 +188,11 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.bitsStored = whole(*dataset, DCM_BitsStored, file.bitsAllocated);
   file.highBit = whole(*dataset, DCM_HighBit, file.bitsStored - 1);
   file.isSigned = whole(*dataset, DCM_PixelRepresentation, 0) == 1;
-  file.localizer = dicomText(*dataset, DCM_ImageType).find("LOCALIZER") != std::string::npos;
+  const std::string imageType = dicomText(*dataset, DCM_ImageType);
+  file.localizer = imageType.find("LOCALIZER") != std::string::npos;
+  file.mosaic = imageType.find("MOSAIC") != std::string::npos;
   file.lossy =
       lossySyntax(file.transferSyntax) || dicomText(*dataset, DCM_LossyImageCompression) == "01";
-  file.mosaic = dicomText(*dataset, DCM_ImageType).find("MOSAIC") != std::string::npos;
   DcmItem* lut = nullptr;
   file.modalityLut = dataset->findAndGetSequenceItem(DCM_ModalityLUTSequence, lut, 0).good();
   file.problem = problemOf(*dataset, file);

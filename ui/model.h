@@ -12,6 +12,7 @@
 #include "core/haptics/device.h"
 #include "core/simulation/runner.h"
 #include "core/simulation/snapshot.h"
+#include "imaging/import.h"
 #include "imaging/segmentation.h"
 
 namespace palpate::ui {
@@ -54,20 +55,14 @@ struct RecentCase {
   std::string title, detail;
 };
 
-/// 8-bit grey, top row first.
-struct SmallPicture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> grey;
-};
-
 struct SeriesRow {
-  std::string uid, title, detail,
-      size;           ///< "CT · Head", "0.5 × 0.5 × 1 mm ...", "82 files · 43 MB"
-  std::string study;  ///< Patient and date; rows of one study are together.
+  std::string uid, title, detail;  ///< "CT · Head", "256 × 256 × 108 · 0.5 × 0.5 × 1 mm"
+  std::string size;                ///< "82 files · 43 MB"
+  std::string study;               ///< Patient and date; rows of one study are together.
   bool importable = false;
   bool repairable = false;  ///< Not a regular box, but can be resampled to one.
   std::string reason;
-  SmallPicture picture;  ///< Empty where the images cannot be decoded.
+  GreyPicture picture;  ///< Empty where the images cannot be decoded.
 };
 
 struct DirectoryRow {

@@ -133,8 +133,9 @@ void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelStat
              !model.job.active)) {
     paint.actions.push_back(act::OpenDemo{});
   }
-  if (model.library.series.empty()) state.thumbnails.clear();
-  if (!model.library.series.empty()) {
+  if (model.library.series.empty()) {
+    state.thumbnails.clear();
+  } else {
     drawSeriesList(paint, model.library, state.thumbnails);
     return;
   }

@@ -9,7 +9,7 @@
 namespace palpate::ui {
 namespace {
 
-GlTexture textureOf(const SmallPicture& picture) {
+GlTexture textureOf(const GreyPicture& picture) {
   std::vector<std::uint8_t> rgba;
   rgba.reserve(picture.grey.size() * 4);
   for (const std::uint8_t g : picture.grey) rgba.insert(rgba.end(), {g, g, g, 255});

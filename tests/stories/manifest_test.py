@@ -196,13 +196,6 @@ def expectations():
     }
 
 
-# What the program does not do right yet: what is wrong, and how it shows. Only that may be wrong
-# with the row, and something must be, until it is right.
-TAKEN = ("exit of the import is 0", "the message ''", "what series calls importable",
-         "series gives other reasons")
-KNOWN_DEFECTS = {
-}
-
 # ---------------------------------------------------------------------------------- small geometry
 
 
@@ -868,15 +861,11 @@ def check_row(options, shared, name, expected):
 
 def report(name, wrong):
     """Prints a row's outcome; whether it is as it should be."""
-    defect, shows = KNOWN_DEFECTS.get(name, ("", ()))
-    surprises = [what for what in wrong if not any(part in what for part in shows)]
-    if defect and not wrong:
-        surprises = ["its known defect is gone; take it out of the list"]
-    for what in surprises:
+    for what in wrong:
         print(f"FAILED: {name}: {what}")
-    if not surprises:
-        print(f"known defect: {name}: {defect}" if defect else f"ok: {name}")
-    return not surprises
+    if not wrong:
+        print(f"ok: {name}")
+    return not wrong
 
 
 def main():
