@@ -8,6 +8,7 @@
 #include "imaging/dicom_frames.h"
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
+#include "imaging/volume.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
@@ -15,8 +16,6 @@ namespace {
 
 constexpr std::uint32_t kMaxFrames = 100'000;
 constexpr std::uint32_t kMaxSide = 65'535;  // Rows and Columns are of sixteen bits.
-// Palpate's largest grid; above it a header is damaged.
-constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
 // What a lossy codec may reach on an empty slice with room to spare. A header that claims more is
 // wrong, and decoding would first ask for the memory.
 constexpr std::uint64_t kMaxInflation = 10'000;

@@ -9,6 +9,8 @@
 #include <map>
 #include <numbers>
 
+#include "imaging/volume.h"
+
 namespace palpate {
 namespace {
 
@@ -20,8 +22,6 @@ constexpr double kSamePlace_mm = 0.01;
 // A tenth of a micrometre, and a kilometre: beyond them a header is damaged.
 constexpr double kMinSpacing_mm = 1e-4;
 constexpr double kMaxPosition_mm = 1e6;
-// Palpate's largest grid.
-constexpr std::size_t kMaxVoxels = std::size_t{1} << 31U;
 // Direction cosines that differ by more are another orientation (0.06 degrees).
 constexpr double kSameDirection = 1e-3;
 

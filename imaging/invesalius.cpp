@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::uint64_t kMaxPlistBytes = 1U << 20U;  // real ones are below 10 kB
 constexpr std::int32_t kMaxSide = 8192;
-constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
 
 struct Project {
   GridGeometry geometry;

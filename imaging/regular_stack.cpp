@@ -8,7 +8,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kMaxVoxels = 2147483648.0;
 // A box of more times the voxels would be made up, not repaired; and a short file must not cost the
 // memory of a long one.
 constexpr double kMaxGrowth = 16.0;
@@ -99,7 +98,7 @@ Result<Box> boxOf(const Volume& stack, const std::vector<SlicePlace>& places,
   const double nx = stack.geometry.dims[0] + std::ceil(highU - 1e-6) - std::floor(lowU + 1e-6);
   const double ny = stack.geometry.dims[1] + std::ceil(highV - 1e-6) - std::floor(lowV + 1e-6);
   const double largest = std::min(
-      kMaxVoxels,
+      static_cast<double>(kMaxVoxels),
       std::max(kMaxGrowth * static_cast<double>(stack.geometry.voxelCount()), kAlwaysAllowed));
   if (!(slices >= 2.0) || !(nx * ny * slices < largest)) {
     return fail(inputRefused("The repaired volume would be larger than Palpate can hold, or more "

@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// Palpate's largest grid, 1290³. A header that states more is damaged.
+inline constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
+
 enum class VoxelType : std::uint8_t { Int16, Float32 };
 
 /// x fastest, slices ascending along row × column direction. Exactly one of the arrays is used:

@@ -20,8 +20,6 @@ namespace palpate {
 namespace fs = std::filesystem;
 namespace {
 
-// 2^31 voxels is a 1290³ grid. Above it the header is damaged, or the scan is beyond this program.
-constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31U;
 // Deflate shrinks at most 1032 times (zlib's documentation), so a file cannot hold more than this.
 constexpr std::uint64_t kMaxInflation = 1032;
 
