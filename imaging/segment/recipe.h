@@ -1,0 +1,22 @@
+#pragma once
+/// A recipe: the steps of a segmentation as a TOML file, so that a case can be rebuilt.
+///
+/// `[[step]]` tables, one a step, in order. Without `tool` a step is a threshold (`preset` or
+/// `threshold`); `label`, `over_others` and `only` go with every tool. README.md of this folder has
+/// every tool's keys.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "imaging/segment/tools.h"
+
+namespace palpate {
+
+/// Refuses unknown keys, wrong types and values out of range, by file, step and key.
+[[nodiscard]] Result<std::vector<LabelStep>> readRecipe(const std::filesystem::path& tomlFile);
+/// What readRecipe() reads back to the last bit.
+[[nodiscard]] std::string recipeText(const std::vector<LabelStep>& steps);
+
+}  // namespace palpate
