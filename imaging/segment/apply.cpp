@@ -24,7 +24,8 @@ bool startsLabel(const LabelTool& tool) {
     return combine->operation == tool::Combine::Operation::Add;
   }
   return std::holds_alternative<tool::Threshold>(tool) ||
-         std::holds_alternative<tool::GrowRegion>(tool);
+         std::holds_alternative<tool::GrowRegion>(tool) ||
+         std::holds_alternative<tool::Remove>(tool);
 }
 
 bool holds(const LabelGrid& labels, std::uint8_t value) {
@@ -42,6 +43,14 @@ Result<void> checkGrids(const Volume& volume, const LabelState& before) {
                   .wants(std::to_string(volume.size()) + " voxels"));
 }
 
+Error noSuchLabel(const std::string& label) {
+  return inputRefused("There is no such label, or it is empty.")
+      .inField("label")
+      .butFound(label)
+      .wants("a label of the case that has voxels")
+      .advise("Make the label first, by a threshold or a brush.");
+}
+
 Error nothingLeft(const std::string& label) {
   return inputRefused("Nothing of the label would be left.")
       .inField("label")
@@ -53,8 +62,8 @@ Error nothingLeft(const std::string& label) {
 
 std::string toolTitle(const LabelTool& tool) {
   static constexpr std::array<const char*, std::variant_size_v<LabelTool>> titles{
-      "Threshold", "Grow region", "Islands", "Fill holes", "Margin", "Smooth",
-      "Box",       "Scissors",    "Brush",   "Split",      "Combine"};
+      "Threshold", "Grow region", "Islands", "Fill holes", "Margin",  "Smooth",
+      "Box",       "Scissors",    "Brush",   "Split",      "Combine", "Remove"};
   return titles[tool.index()];
 }
 
@@ -101,13 +110,14 @@ Result<LabelState> applyStep(const Volume& volume, const LabelState& before, con
   after.labels.labels.resize(volume.size());
   const auto row = rowFor(step.label, after.table);
   if (!row) return fail(row.error());
+  if (std::holds_alternative<tool::Remove>(step.tool)) {
+    const bool there = std::any_of(before.table.begin(), before.table.end(),
+                                   [&](const LabelInfo& l) { return l.name == step.label; });
+    if (!there) return fail(noSuchLabel(step.label));
+  }
   const bool starts = startsLabel(step.tool);
   if (!starts && !holds(after.labels, row->value)) {
-    return fail(inputRefused("There is no such label, or it is empty.")
-                    .inField("label")
-                    .butFound(step.label)
-                    .wants("a label of the case that has voxels")
-                    .advise("Make the label first, by a threshold or a brush."));
+    return fail(noSuchLabel(step.label));
   }
   LabelTool tool = step.tool;
   if (auto* threshold = std::get_if<tool::Threshold>(&tool); threshold != nullptr && step.preset) {
@@ -120,7 +130,8 @@ Result<LabelState> applyStep(const Volume& volume, const LabelState& before, con
   if (!done) return fail(done.error());
   if (progress.cancelled()) return fail(cancelled());
   // A split may give every voxel to other labels: that is no loss.
-  const bool mayEmpty = std::holds_alternative<tool::Split>(tool);
+  const bool mayEmpty =
+      std::holds_alternative<tool::Split>(tool) || std::holds_alternative<tool::Remove>(tool);
   if (!mayEmpty && !holds(after.labels, row->value)) return fail(nothingLeft(step.label));
   progress(1.0, toolTitle(tool));
   return after;

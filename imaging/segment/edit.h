@@ -53,5 +53,6 @@ inline constexpr double kMostMm = 200.0;
 [[nodiscard]] Result<void> carryOut(Edit& edit, const tool::Brush& tool);       // brush.cpp
 [[nodiscard]] Result<void> carryOut(Edit& edit, const tool::Split& tool);       // split.cpp
 [[nodiscard]] Result<void> carryOut(Edit& edit, const tool::Combine& tool);     // combine.cpp
+[[nodiscard]] Result<void> carryOut(Edit& edit, const tool::Remove& tool);      // remove.cpp
 
 }  // namespace palpate

@@ -101,7 +101,7 @@ LabelTool readCombine(RecipeReader& step) {
 const std::vector<std::string> kTools{"threshold", "grow",   "islands", "fill-holes",
                                       "margin",    "smooth", "box",     "scissors",
                                       "brush",     "split",  "combine"};
-static_assert(std::variant_size_v<LabelTool> == 11, "a tool needs a name, a reader and a writer");
+static_assert(std::variant_size_v<LabelTool> == 12, "a tool needs a name, a reader and a writer");
 
 LabelTool readTool(RecipeReader& step, LabelStep& into) {
   const std::size_t kind = step.has("tool") ? step.choice("tool", kTools) : 0;
@@ -129,8 +129,10 @@ LabelTool readTool(RecipeReader& step, LabelStep& into) {
       return readBrush(step);
     case 9:
       return readSplit(step);
-    default:
+    case 10:
       return readCombine(step);
+    default:
+      return tool::Remove{};
   }
 }
 
@@ -219,6 +221,7 @@ struct Writer {
     out.insert("other", t.other);
     out.insert("grown_mm", t.grown_mm);
   }
+  void operator()(const tool::Remove&) const {}
 };
 
 }  // namespace

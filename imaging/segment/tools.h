@@ -115,13 +115,16 @@ struct Combine {
   double grown_mm = 0.0;
 };
 
+/// Takes the label away, and its row in the table.
+struct Remove {};
+
 }  // namespace palpate::tool
 
 namespace palpate {
 
-using LabelTool =
-    std::variant<tool::Threshold, tool::GrowRegion, tool::Islands, tool::FillHoles, tool::Margin,
-                 tool::Smooth, tool::Box, tool::Scissors, tool::Brush, tool::Split, tool::Combine>;
+using LabelTool = std::variant<tool::Threshold, tool::GrowRegion, tool::Islands, tool::FillHoles,
+                               tool::Margin, tool::Smooth, tool::Box, tool::Scissors, tool::Brush,
+                               tool::Split, tool::Combine, tool::Remove>;
 
 /// What a tool may touch.
 struct EditLimits {
