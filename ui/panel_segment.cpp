@@ -97,16 +97,32 @@ void drawApply(const Painter& paint, const Model& model, SegmentPanelState& stat
       }
     }
   }
-  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  const SegmentModel& segment = model.segment;
-  if (button(paint, icon::kUndo, "Undo", Emphasis::Normal, half, !segment.undo.empty(),
-             segment.undo.empty() ? nullptr : ("Undo: " + segment.undo + " (Ctrl Z)").c_str())) {
+}
+
+/// Always in reach, however long the settings are.
+void drawFooter(const Painter& paint, const SegmentModel& segment) {
+  const auto words = [](const char* what, const std::string& step, const char* key) {
+    return step.empty() ? std::string(what) : what + (": " + step) + key;
+  };
+  ImGui::Dummy({1.0F, paint.px(2.0F)});
+  const float side = paint.px(44.0F);
+  const std::string undo = words("Undo", segment.undo, " (Ctrl Z)");
+  const std::string redo = words("Redo", segment.redo, " (Ctrl Y)");
+  if (button(paint, nullptr, icon::kUndo, Emphasis::Normal, side, !segment.undo.empty(),
+             undo.c_str())) {
     paint.actions.push_back(act::Undo{});
   }
+  paint.note("Undo");
   ImGui::SameLine();
-  if (button(paint, icon::kRedo, "Redo", Emphasis::Normal, half, !segment.redo.empty(),
-             segment.redo.empty() ? nullptr : ("Redo: " + segment.redo + " (Ctrl Y)").c_str())) {
+  if (button(paint, nullptr, icon::kRedo, Emphasis::Normal, side, !segment.redo.empty(),
+             redo.c_str())) {
     paint.actions.push_back(act::Redo{});
+  }
+  paint.note("Redo");
+  ImGui::SameLine();
+  if (button(paint, icon::kHand, "Touch it", Emphasis::Normal, -1.0F, !segment.labels.empty(),
+             "Feel these labels: the simulation starts as soon as they are ready")) {
+    paint.actions.push_back(act::TouchIt{});
   }
 }
 
@@ -122,23 +138,21 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   }
   const bool labelled = !model.segment.labels.empty();
   if (!labelled) state.kind = ToolKind::Threshold;
+  const float footer = paint.px(Measures::kControl + 10.0F);
+  ImGui::BeginChild("tools", {0.0F, -footer}, false, ImGuiWindowFlags_NoBackground);
   drawLabelTable(paint, model.segment, state);
   drawTools(paint, state, labelled);
   section(paint, toolWords(state.kind).title);
   drawToolSettings(paint, model, state);
   drawApply(paint, model, state);
+  ImGui::EndChild();
+  drawFooter(paint, model.segment);
   requestPreview(paint, model, state, now);
   // While it is dragged, and until the true preview is there, the range shows on the slices.
   const bool ranged = state.kind == ToolKind::Threshold || state.kind == ToolKind::Grow;
   if (ranged && state.preview && !model.segment.previewShown && !state.wantedKey.empty() &&
       state.wantedKey != state.applied) {
     views.preview = ThresholdRange{static_cast<double>(state.low), static_cast<double>(state.high)};
-  }
-  if (labelled) {
-    space(paint, 4.0F);
-    if (button(paint, icon::kHand, "Touch it", Emphasis::Normal)) {
-      paint.actions.push_back(act::TouchIt{});
-    }
   }
 }
 

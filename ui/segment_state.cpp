@@ -31,6 +31,7 @@ std::optional<LabelTool> islandsOf(const SegmentPanelState& state) {
 std::optional<LabelTool> splitOf(const SegmentPanelState& state) {
   tool::Split tool;
   tool.by = state.byEdges ? tool::Split::By::Edges : tool::Split::By::Brightness;
+  tool.radius_mm = 2.0;
   std::size_t seeded = 0;
   for (std::size_t p = 0; p < state.parts.size(); ++p) {
     tool::Split::Seeds seeds{p == 0 ? state.label : state.parts[p], {}};

@@ -57,6 +57,7 @@ void SliceView::render(const Inputs& inputs, const VolumeTextures& textures,
                                          static_cast<float>(inputs.preview[1])));
   program.set("previewColour", Eigen::Vector3f(theme.accent.x, theme.accent.y, theme.accent.z));
   program.set("labelOpacity", inputs.opacity);
+  program.set("edgeOpacity", inputs.edge);
   program.set("viewSize",
               Eigen::Vector2f(static_cast<float>(inputs.width), static_cast<float>(inputs.height)));
   const GridGeometry& grid = textures.grid();
@@ -154,6 +155,7 @@ bool SliceView::draw(const Rect& area, const VolumeTextures& textures, const GlP
   inputs.window = state.window;
   if (state.preview) inputs.preview = {state.preview->low, state.preview->high};
   inputs.opacity = state.labelOpacity;
+  inputs.edge = state.edgeOpacity;
   inputs.interpolate = state.interpolate;
   if (!(inputs == last_) || rendered_ == 0) {
     render(inputs, textures, program, plane, fit, theme);

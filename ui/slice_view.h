@@ -57,7 +57,7 @@ class SliceView {
     Eigen::Vector2d pan{0, 0};
     std::array<double, 2> window{0, 0};
     std::array<double, 2> preview{1, 0};
-    float opacity = 0;
+    float opacity = 0, edge = 0;
     bool interpolate = true;
     bool operator==(const Inputs&) const = default;
   };

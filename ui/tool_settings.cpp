@@ -260,7 +260,9 @@ void drawCombine(const Painter& paint, const SegmentModel& segment, SegmentPanel
 }
 
 void drawLimits(const Painter& paint, const Model& model, SegmentPanelState& state) {
-  toggle(paint, "May take from other labels", state.overOthers);
+  const bool onlyTakes = state.kind == ToolKind::Scissors || state.kind == ToolKind::Box ||
+                         state.kind == ToolKind::Eraser;
+  if (!onlyTakes) toggle(paint, "May take from other labels", state.overOthers);
   toggle(paint, "Only values in a range", state.onlyRange);
   if (state.onlyRange) drawRange(paint, model.openCase, state);
 }

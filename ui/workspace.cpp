@@ -317,6 +317,7 @@ SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view
 
 void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, double now,
                           bool patient) {
+  state_.edgeOpacity = model.task == Task::Segment ? 0.9F : 0.0F;
   const auto shown = [this](View view) { return !state_.filled || *state_.filled == view; };
   if (shown(View::Scene)) {
     drawScene(paint, layout_.view[0], model, shift, now, patient);

@@ -82,6 +82,7 @@ LabelTool readBrush(RecipeReader& step) {
 LabelTool readSplit(RecipeReader& step) {
   tool::Split tool;
   tool.by = static_cast<tool::Split::By>(step.has("by") ? step.choice("by", kBy) : 0);
+  tool.radius_mm = step.number("radius_mm", 0.0, 0.0);
   for (RecipeReader& part : step.tables("seeds")) {
     tool.seeds.push_back({part.text("label"), part.points("points")});
     part.refuseOthers();
@@ -209,6 +210,7 @@ struct Writer {
   }
   void operator()(const tool::Split& t) const {
     out.insert("by", kBy[static_cast<std::size_t>(t.by)]);
+    out.insert("radius_mm", t.radius_mm);
     toml::array parts;
     for (const tool::Split::Seeds& seeds : t.seeds) {
       parts.push_back(

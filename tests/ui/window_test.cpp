@@ -63,7 +63,7 @@ struct Shown {
 
 void fill(Workspace& workspace, const Shown& shown) {
   workspace.showVolume(shown.head);
-  workspace.showLabels(&shown.bone);
+  workspace.showLabels(std::make_shared<const LabelGrid>(shown.bone));
   const auto chunks = meshLabel(shown.bone, 1, 1);
   ASSERT_TRUE(chunks) << sentence(chunks.error());
   workspace.showSurface(1, *chunks);
