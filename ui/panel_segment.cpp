@@ -138,7 +138,7 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   }
   const bool labelled = !model.segment.labels.empty();
   if (!labelled) state.kind = ToolKind::Threshold;
-  const float footer = paint.px(Measures::kControl + 10.0F);
+  const float footer = paint.px(Measures::kControl + 4.0F) + 2.0F * ImGui::GetStyle().ItemSpacing.y;
   ImGui::BeginChild("tools", {0.0F, -footer}, false, ImGuiWindowFlags_NoBackground);
   drawLabelTable(paint, model.segment, state);
   drawTools(paint, state, labelled);

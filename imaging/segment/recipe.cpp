@@ -101,7 +101,7 @@ LabelTool readCombine(RecipeReader& step) {
 
 const std::vector<std::string> kTools{"threshold", "grow",   "islands", "fill-holes",
                                       "margin",    "smooth", "box",     "scissors",
-                                      "brush",     "split",  "combine"};
+                                      "brush",     "split",  "combine", "remove"};
 static_assert(std::variant_size_v<LabelTool> == 12, "a tool needs a name, a reader and a writer");
 
 LabelTool readTool(RecipeReader& step, LabelStep& into) {

@@ -27,6 +27,7 @@ struct Shown {
   Shown() {
     model.task = Task::Simulate;
     model.openCase.open = true;
+    model.openCase.folder = "case";
     model.openCase.title = "Synthetic head";
     model.openCase.modality = model.openCase.presetModality = "CT";
     model.openCase.geometry = "2.08 \xc3\x97 2.08 \xc3\x97 2.08 mm";
