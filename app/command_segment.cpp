@@ -7,6 +7,7 @@
 #include "core/base/whole_file.h"
 #include "imaging/case_folder.h"
 #include "imaging/segment/apply.h"
+#include "imaging/segment/case_recipe.h"
 #include "imaging/segment/recipe.h"
 
 namespace palpate {
@@ -75,6 +76,7 @@ Result<std::vector<LabelStep>> stepsOf(const SegmentOptions& options) {
 struct Work {
   Volume volume;
   LabelState state;
+  CaseRecipe recipe;
   std::vector<std::string> warnings;
 };
 
@@ -92,6 +94,7 @@ Result<void> applyTo(Work& work, LabelStep step, const Progress& progress) {
   Result<LabelState> after = applyStep(work.volume, work.state, step, progress);
   if (!after) return fail(after.error());
   work.state = std::move(*after);
+  work.recipe.steps.push_back(std::move(step));
   return {};
 }
 
@@ -138,6 +141,8 @@ Result<Work> openCase(const fs::path& folder) {
   Result<LabelTable> table = readCaseLabelTable(folder);
   if (!table) return fail(table.error());
   work.state = {std::move(*labels), std::move(*table)};
+  work.recipe = readCaseRecipe(folder);
+  if (work.recipe.steps.empty()) work.recipe.whole = false;
   return work;
 }
 
@@ -155,6 +160,9 @@ Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandCon
   if (const Result<void> written =
           writeCaseLabels(options.caseFolder, work->state.labels, work->state.table);
       !written) {
+    return fail(written.error());
+  }
+  if (const Result<void> written = writeCaseRecipe(options.caseFolder, work->recipe); !written) {
     return fail(written.error());
   }
   context.progress(1.0, "Segmented");

@@ -130,6 +130,10 @@ void drawThreshold(const Painter& paint, const Model& model, SegmentPanelState& 
 }
 
 void drawPicks(const Painter& paint, SegmentPanelState& state, const char* what) {
+  if (state.missed) {
+    notice(paint, MessageModel::Kind::Warning,
+           "There is nothing of " + state.label + " where you clicked.");
+  }
   if (state.picks.empty()) {
     sentence(paint, what);
     return;

@@ -306,9 +306,13 @@ std::vector<std::uint8_t> Workspace::hiddenLabels(const Model& model) const {
 SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view) {
   if (model.task != Task::Segment || !model.openCase.open) return {};
   SliceTool tool;
-  tool.takes = [this, &paint, view](const Rect& area, const SlicePlane& plane, const SliceFit& fit,
-                                    double slice) {
-    const SliceMouse at{view, area, textures_.grid(), plane, fit, slice};
+  tool.takes = [this, &paint, &model, view](const Rect& area, const SlicePlane& plane,
+                                            const SliceFit& fit, double slice) {
+    std::uint8_t value = 0;
+    for (const LabelRow& row : model.segment.labels) {
+      if (row.name == segment_.label) value = row.value;
+    }
+    const SliceMouse at{labels_.get(), value, view, area, textures_.grid(), plane, fit, slice};
     return editInSlice(segment_, at, paint.actions);
   };
   tool.draws = [this, view](const SliceOverlay& over) { drawEditInSlice(segment_, over, view); };
