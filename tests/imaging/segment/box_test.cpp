@@ -48,7 +48,7 @@ TEST(Box, CropsEveryLabelWhenAsked) {
       if (limits.only && !inRange(s.volume, i, *limits.only)) continue;
       if (inside(tool, centre_mm(s.geometry(), i)) != tool.keepInside) expected.labels[i] = 0;
     }
-    const auto after = apply(s, tool, limits);
+    const auto after = applied(s, tool, limits);
     if (voxelsOf(expected, kValue) == 0) {
       ASSERT_FALSE(after);
       EXPECT_EQ(after.error().kind, ErrorKind::InputRefused);
@@ -72,11 +72,11 @@ TEST(Box, ItsFacesArePartOfIt) {
       tool::Box tool;
       tool.low_mm = Eigen::Vector3d::Unit(axis) * low;
       tool.high_mm = Eigen::Vector3d::Unit(axis) * (low + 7);
-      const auto cut = apply(s, tool);
+      const auto cut = applied(s, tool);
       ASSERT_TRUE(cut);
       EXPECT_EQ(voxelsOf(cut->labels, kValue), 62U);
       tool.keepInside = true;
-      const auto kept = apply(s, tool);
+      const auto kept = applied(s, tool);
       ASSERT_TRUE(kept);
       EXPECT_EQ(voxelsOf(kept->labels, kValue), 8U);
       EXPECT_EQ(kept->labels.labels[static_cast<std::size_t>(low)], kValue);
@@ -97,7 +97,7 @@ TEST(Box, ItsAxesAreThoseOfThePatient) {
   tool.low_mm = {-0.5, -2.5, -0.5};
   tool.high_mm = {1.5, 0.5, 9.5};
   tool.keepInside = true;
-  const auto kept = apply(s, tool);
+  const auto kept = applied(s, tool);
   ASSERT_TRUE(kept);
   EXPECT_EQ(voxelsOf(kept->labels, kValue), 3U * 2U * 4U);
   EXPECT_EQ(kept->labels.at(2, 1, 3), kValue);

@@ -88,10 +88,10 @@ TEST(FillHoles, AHoleOfJustTheVolumeIsFilled) {
        {std::pair{Eigen::Vector3d(1, 1, 1), 1.0}, std::pair{Eigen::Vector3d(0.5, 0.5, 0.5), 0.125},
         std::pair{Eigen::Vector3d(1, 2, 3), 6.0}, std::pair{Eigen::Vector3d(0.4, 0.5, 1.5), 0.3}}) {
     const Sample s = shell(spacing);
-    const auto filled = apply(s, tool::FillHoles{.maxMm3 = 27 * mm3});
+    const auto filled = applied(s, tool::FillHoles{.maxMm3 = 27 * mm3});
     ASSERT_TRUE(filled);
     EXPECT_EQ(voxelsOf(filled->labels, kValue), 125U) << spacing.transpose();
-    const auto left = apply(s, tool::FillHoles{.maxMm3 = 26.9 * mm3});
+    const auto left = applied(s, tool::FillHoles{.maxMm3 = 26.9 * mm3});
     ASSERT_TRUE(left);
     EXPECT_EQ(voxelsOf(left->labels, kValue), 98U) << spacing.transpose();
   }
@@ -101,11 +101,11 @@ TEST(FillHoles, AnEdgeDoesNotLeakButAFaceDoes) {
   Sample s = shell({1, 1, 1});
   s.before.labels.labels[s.geometry().index(2, 2, 4)] = 0;  // an edge of the shell
   s.before.labels.labels[s.geometry().index(6, 6, 6)] = 0;  // a corner
-  auto after = apply(s, tool::FillHoles{});
+  auto after = applied(s, tool::FillHoles{});
   ASSERT_TRUE(after);
   EXPECT_EQ(voxelsOf(after->labels, kValue), 125U - 2U);
   s.before.labels.labels[s.geometry().index(4, 4, 6)] = 0;
-  after = apply(s, tool::FillHoles{});
+  after = applied(s, tool::FillHoles{});
   ASSERT_TRUE(after);
   EXPECT_EQ(voxelsOf(after->labels, kValue), 98U - 3U);
 }
@@ -114,7 +114,7 @@ TEST(FillHoles, AnotherLabelInsideStaysAndTheRestIsFilled) {
   Sample s = shell({1, 1, 1});
   s.before.labels.labels[s.geometry().index(4, 4, 4)] = 9;
   s.before.labels.labels[s.geometry().index(3, 4, 4)] = 9;
-  const auto after = apply(s, tool::FillHoles{});
+  const auto after = applied(s, tool::FillHoles{});
   ASSERT_TRUE(after);
   EXPECT_EQ(voxelsOf(after->labels, kValue), 123U);
   EXPECT_EQ(after->labels.at(4, 4, 4), 9);
@@ -124,7 +124,7 @@ TEST(FillHoles, AnotherLabelInsideStaysAndTheRestIsFilled) {
 TEST(FillHoles, WhatTwoLabelsEncloseTogetherIsNotEnclosedByOne) {
   Sample s = shell({1, 1, 1});
   s.before.labels.labels[s.geometry().index(4, 4, 6)] = 1;
-  const auto after = apply(s, tool::FillHoles{});
+  const auto after = applied(s, tool::FillHoles{});
   ASSERT_TRUE(after);
   EXPECT_EQ(after->labels.labels[s.geometry().index(4, 4, 4)], 0);
   EXPECT_EQ(voxelsOf(after->labels, kValue), 97U);

@@ -71,6 +71,7 @@ Mask after(Operation operation, const Mask& mask, const Dilate& dilate) {
 
 TEST(Margin, EqualsAllPairsOfCentres) {
   forSamples(400, [](Random& random, Sample& s) {
+    if (countOf(s.label()) == s.size()) return;  // NothingShrinksFromTheScansEdge
     const auto dilate = [&](double mm) {
       return [&s, mm](const Mask& m) { return dilated(m, s.geometry(), mm); };
     };
@@ -118,12 +119,12 @@ TEST(Margin, ReachesFarInFineScans) {
     dims[static_cast<std::size_t>(axis)] = 900;
     Sample s = plainSample(dims, {0.02, 0.02, 0.02});
     s.before.labels.labels[450] = kValue;
-    const auto grown = apply(s, tool::Margin{.operation = Operation::Dilate, .mm = 7.01});
+    const auto grown = applied(s, tool::Margin{.operation = Operation::Dilate, .mm = 7.01});
     ASSERT_TRUE(grown) << sentence(grown.error());
     EXPECT_EQ(voxelsOf(grown->labels, kValue), 701U);
     for (auto& label : s.before.labels.labels) label = kValue;
     s.before.labels.labels[0] = 0;
-    const auto shrunk = apply(s, tool::Margin{.operation = Operation::Erode, .mm = 7.01});
+    const auto shrunk = applied(s, tool::Margin{.operation = Operation::Erode, .mm = 7.01});
     ASSERT_TRUE(shrunk) << sentence(shrunk.error());
     EXPECT_EQ(voxelsOf(shrunk->labels, kValue), 900U - 351U);
   }
@@ -140,11 +141,11 @@ TEST(Margin, AWholeNumberOfVoxelsIsReached) {
         Sample s = plainSample(dims, Eigen::Vector3d::Constant(spacing));
         s.before.labels.labels[35] = kValue;
         const double mm = std::round(n * spacing * 100.0) / 100.0;  // as a person types it
-        const auto grown = apply(s, tool::Margin{.operation = Operation::Dilate, .mm = mm});
+        const auto grown = applied(s, tool::Margin{.operation = Operation::Dilate, .mm = mm});
         ASSERT_TRUE(grown) << sentence(grown.error());
         EXPECT_EQ(voxelsOf(grown->labels, kValue), static_cast<std::size_t>(2 * n + 1));
         for (auto& label : s.before.labels.labels) label = label == 0 ? kValue : std::uint8_t{0};
-        const auto shrunk = apply(s, tool::Margin{.operation = Operation::Erode, .mm = mm});
+        const auto shrunk = applied(s, tool::Margin{.operation = Operation::Erode, .mm = mm});
         ASSERT_TRUE(shrunk) << sentence(shrunk.error());
         EXPECT_EQ(voxelsOf(shrunk->labels, kValue), static_cast<std::size_t>(70 - 2 * n - 1));
       }
@@ -159,7 +160,7 @@ TEST(Margin, ABallReachesItsSurface) {
     Sample s = plainSample({15, 15, 15}, {1, 1, 1});
     s.before.labels.labels[s.geometry().index(7, 7, 7)] = kValue;
     const auto grown =
-        apply(s, tool::Margin{.operation = Operation::Dilate, .mm = static_cast<double>(mm)});
+        applied(s, tool::Margin{.operation = Operation::Dilate, .mm = static_cast<double>(mm)});
     ASSERT_TRUE(grown) << sentence(grown.error());
     for (int k = -7; k <= 7; ++k)
       for (int j = -7; j <= 7; ++j)
@@ -175,7 +176,7 @@ TEST(Margin, NothingShrinksFromTheScansEdge) {
   Sample s = plainSample({5, 6, 7}, {1, 1, 1});
   for (auto& label : s.before.labels.labels) label = kValue;
   for (const Operation operation : kOperations) {
-    const auto same = apply(s, tool::Margin{.operation = operation, .mm = 3.0});
+    const auto same = applied(s, tool::Margin{.operation = operation, .mm = 3.0});
     ASSERT_TRUE(same) << sentence(same.error());
     EXPECT_TRUE(sameLabels(s.before.labels, same->labels));
   }
@@ -184,7 +185,7 @@ TEST(Margin, NothingShrinksFromTheScansEdge) {
 TEST(Margin, NothingGrowsInFromTheScansEdge) {
   Sample s = plainSample({9, 9, 9}, {1, 1, 1});
   s.before.labels.labels[s.geometry().index(4, 4, 4)] = kValue;
-  const auto grown = apply(s, tool::Margin{.operation = Operation::Dilate, .mm = 1.0});
+  const auto grown = applied(s, tool::Margin{.operation = Operation::Dilate, .mm = 1.0});
   ASSERT_TRUE(grown);
   EXPECT_EQ(voxelsOf(grown->labels, kValue), 7U);
 }
@@ -192,7 +193,7 @@ TEST(Margin, NothingGrowsInFromTheScansEdge) {
 TEST(Margin, ShrinksAwayFromOtherLabels) {
   Sample s = plainSample({7, 1, 1}, {1, 1, 1});
   s.before.labels.labels = {9, 9, kValue, kValue, kValue, kValue, kValue};
-  const auto shrunk = apply(s, tool::Margin{.operation = Operation::Erode, .mm = 1.0});
+  const auto shrunk = applied(s, tool::Margin{.operation = Operation::Erode, .mm = 1.0});
   ASSERT_TRUE(shrunk);
   EXPECT_EQ(shrunk->labels.labels, (Mask{9, 9, 0, kValue, kValue, kValue, kValue}));
 }
@@ -202,7 +203,7 @@ TEST(Margin, WhatErosionLeavesNothingOfIsRefused) {
   s.before.labels.labels[s.geometry().index(2, 2, 2)] = kValue;
   expectRefused(s, tool::Margin{.operation = Operation::Erode, .mm = 1.0}, ErrorKind::InputRefused);
   expectRefused(s, tool::Margin{.operation = Operation::Open, .mm = 1.0}, ErrorKind::InputRefused);
-  EXPECT_TRUE(apply(s, tool::Margin{.operation = Operation::Erode, .mm = 0.9}));
+  EXPECT_TRUE(applied(s, tool::Margin{.operation = Operation::Erode, .mm = 0.9}));
 }
 
 /// Opening and closing twice change nothing more, and lie on their sides of the label.
@@ -211,15 +212,15 @@ TEST(Margin, OpeningAndClosingAreIdempotent) {
     const double mm = random.real(0.3, 3.0);
     for (const Operation operation : {Operation::Open, Operation::Close}) {
       const tool::Margin tool{.operation = operation, .mm = mm};
-      const auto once = apply(s, tool);
+      const auto once = applied(s, tool);
       if (!once) continue;
-      if (operation == Operation::Close && voxelsOf(s.before.labels, 0) + voxelsOf(
-                                               s.before.labels, kValue) < s.size()) {
+      if (operation == Operation::Close &&
+          voxelsOf(s.before.labels, 0) + voxelsOf(s.before.labels, kValue) < s.size()) {
         continue;  // Other labels keep voxels that the closing needs.
       }
       Sample again = s;
       again.before = *once;
-      const auto twice = apply(again, tool);
+      const auto twice = applied(again, tool);
       ASSERT_TRUE(twice);
       EXPECT_TRUE(sameLabels(once->labels, twice->labels)) << describe(s);
       for (std::size_t i = 0; i < s.size(); ++i) {

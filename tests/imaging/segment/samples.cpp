@@ -49,7 +49,9 @@ void randomLabels(Random& random, LabelGrid& grid) {
       fillBox(random, grid, value, false);
     }
     for (int n = random.whole(1, 3); n > 0; --n) fillBox(random, grid, kValue, random.chance(60));
-    for (const std::uint8_t value : {0, 1, 4, 9}) dust(random, grid, value, random.whole(0, 6));
+    for (const int value : {0, 1, 4, 9}) {
+      dust(random, grid, static_cast<std::uint8_t>(value), random.whole(0, 6));
+    }
   } else {
     dust(random, grid, 1, 30);
   }
@@ -235,8 +237,8 @@ std::size_t voxelsOf(const LabelGrid& labels, std::uint8_t value) {
   return static_cast<std::size_t>(std::count(labels.labels.begin(), labels.labels.end(), value));
 }
 
-Result<LabelState> apply(const Sample& sample, const LabelTool& tool, const EditLimits& limits,
-                         const std::string& label) {
+Result<LabelState> applied(const Sample& sample, const LabelTool& tool, const EditLimits& limits,
+                           const std::string& label) {
   LabelStep step;
   step.label = label;
   step.tool = tool;
@@ -268,7 +270,7 @@ void expectEdit(const Sample& sample, const LabelTool& tool, const EditLimits& l
   const LabelGrid most = edited(sample, limits, more, takesOthers);
   const LabelGrid least = edited(sample, limits, less, takesOthers);
   const LabelState before = sample.before;
-  const auto after = apply(sample, tool, limits);
+  const auto after = applied(sample, tool, limits);
   EXPECT_TRUE(sameState(sample.before, before)) << "the labels before were changed";
   if (!after) {
     EXPECT_EQ(voxelsOf(least, kValue), 0U) << sentence(after.error()) << "\n" << describe(sample);
@@ -285,10 +287,17 @@ void expectEdit(const Sample& sample, const LabelTool& tool, const EditLimits& l
   EXPECT_TRUE(sameTable(after->table, before.table));
 }
 
+void expectEditOrRefusal(const Sample& sample, const LabelTool& tool, const EditLimits& limits,
+                         const Mask& wanted, const Mask& either, bool takesOthers) {
+  const auto after = applied(sample, tool, limits);
+  if (after) return expectEdit(sample, tool, limits, wanted, either, takesOthers);
+  EXPECT_EQ(after.error().kind, ErrorKind::InputRefused) << sentence(after.error());
+}
+
 void expectRefused(const Sample& sample, const LabelTool& tool, ErrorKind kind,
                    const EditLimits& limits, const std::string& label) {
   const LabelState before = sample.before;
-  const auto after = apply(sample, tool, limits, label);
+  const auto after = applied(sample, tool, limits, label);
   EXPECT_TRUE(sameState(sample.before, before)) << "the labels before were changed";
   ASSERT_FALSE(after) << "was accepted";
   EXPECT_EQ(kindName(after.error().kind), std::string(kindName(kind))) << sentence(after.error());

@@ -93,14 +93,18 @@ Mask flooded(const Mask& mask, const Part& starts, const GridGeometry& geometry,
 std::size_t countOf(const Mask& mask);
 std::size_t voxelsOf(const LabelGrid& labels, std::uint8_t value);
 
-Result<LabelState> apply(const Sample& sample, const LabelTool& tool, const EditLimits& limits = {},
-                         const std::string& label = kLabel);
+Result<LabelState> applied(const Sample& sample, const LabelTool& tool,
+                           const EditLimits& limits = {}, const std::string& label = kLabel);
 
 /// The labels where the label should become `wanted`, under the limits.
 LabelGrid edited(const Sample& sample, const EditLimits& limits, const Mask& wanted,
                  bool takesOthers = false);
 void expectEdit(const Sample& sample, const LabelTool& tool, const EditLimits& limits,
                 const Mask& wanted, const Mask& either = {}, bool takesOthers = false);
+/// For a step that has nothing to work on (no seed in the range, no part near a pick): refused, or
+/// as expectEdit().
+void expectEditOrRefusal(const Sample& sample, const LabelTool& tool, const EditLimits& limits,
+                         const Mask& wanted, const Mask& either = {}, bool takesOthers = false);
 void expectRefused(const Sample& sample, const LabelTool& tool, ErrorKind kind,
                    const EditLimits& limits = {}, const std::string& label = kLabel);
 

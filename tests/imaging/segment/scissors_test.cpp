@@ -156,14 +156,14 @@ TEST(Scissors, TheMiddleOfAPentagramIsOutside) {
     const double angle = 0.3 + 2.0 * n * 2.0 * 3.14159265358979 / 5.0;
     star.emplace_back(10.0 + 9.7 * std::cos(angle), 10.0 + 9.7 * std::sin(angle));
   }
-  const auto after = apply(board(), alongZ(star));
+  const auto after = applied(board(), alongZ(star));
   ASSERT_TRUE(after);
   for (int k = 0; k < 5; ++k) {
     EXPECT_EQ(after->labels.at(10, 10, k), kValue) << "crossed twice";
     const double u = 10.0 + 7.0 * std::cos(0.3);
     const double v = 10.0 + 7.0 * std::sin(0.3);
-    EXPECT_EQ(after->labels.at(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)), k),
-              0)
+    EXPECT_EQ(
+        after->labels.at(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)), k), 0)
         << "in a tip";
     EXPECT_EQ(after->labels.at(0, 0, k), kValue);
   }
@@ -171,12 +171,13 @@ TEST(Scissors, TheMiddleOfAPentagramIsOutside) {
 
 TEST(Scissors, TheOutlineIsClosed) {
   // The last side, from (4.5, 15.5) to (4.5, 4.5), is not among the points.
-  const auto after = apply(board(), alongZ({{4.5, 4.5}, {12.5, 4.5}, {12.5, 15.5}, {4.5, 15.5}}));
+  const auto after = applied(board(), alongZ({{4.5, 4.5}, {12.5, 4.5}, {12.5, 15.5}, {4.5, 15.5}}));
   ASSERT_TRUE(after);
   EXPECT_EQ(voxelsOf(after->labels, kValue), 5U * (441U - 8U * 11U));
   // Two given twice change nothing.
-  const auto same = apply(
-      board(), alongZ({{4.5, 4.5}, {4.5, 4.5}, {12.5, 4.5}, {12.5, 15.5}, {4.5, 15.5}, {4.5, 4.5}}));
+  const auto same =
+      applied(board(),
+              alongZ({{4.5, 4.5}, {4.5, 4.5}, {12.5, 4.5}, {12.5, 15.5}, {4.5, 15.5}, {4.5, 4.5}}));
   ASSERT_TRUE(same);
   EXPECT_TRUE(sameLabels(after->labels, same->labels));
 }
@@ -184,14 +185,15 @@ TEST(Scissors, TheOutlineIsClosed) {
 TEST(Scissors, CutOnlyTheSlabOfThePlane) {
   tool::Scissors tool = alongZ({{4.5, 4.5}, {12.5, 4.5}, {12.5, 15.5}, {4.5, 15.5}});
   tool.plane_mm = Eigen::Vector4d(0, 0, 1, -2);
-  for (const auto& [depth, slices] : {std::pair{0.0, 1U}, std::pair{0.99, 1U}, std::pair{1.0, 3U}}) {
+  for (const auto& [depth, slices] :
+       {std::pair{0.0, 1U}, std::pair{0.99, 1U}, std::pair{1.0, 3U}}) {
     tool.depth_mm = depth;
     tool.keepInside = false;
-    const auto cut = apply(board(), tool);
+    const auto cut = applied(board(), tool);
     ASSERT_TRUE(cut) << sentence(cut.error());
     EXPECT_EQ(voxelsOf(cut->labels, kValue), 5U * 441U - slices * 88U) << depth;
     tool.keepInside = true;
-    const auto kept = apply(board(), tool);
+    const auto kept = applied(board(), tool);
     ASSERT_TRUE(kept) << sentence(kept.error());
     EXPECT_EQ(voxelsOf(kept->labels, kValue), 5U * 441U - slices * (441U - 88U)) << depth;
   }
@@ -205,19 +207,19 @@ TEST(Scissors, WhatIsBehindTheEyeStays) {
   tool.view(2, 2) = 1.0;
   tool.view(2, 3) = -1.5;
   tool.outline = {{-1000, -1000}, {1000, -1000}, {1000, 1000}, {-1000, 1000}};
-  const auto after = apply(board(), tool);
+  const auto after = applied(board(), tool);
   ASSERT_TRUE(after) << sentence(after.error());
   EXPECT_EQ(voxelsOf(after->labels, kValue), 2U * 441U);
   EXPECT_EQ(after->labels.at(3, 3, 1), kValue);
   EXPECT_EQ(after->labels.at(3, 3, 2), 0);
   tool.outline = {{2000, 2000}, {3000, 2000}, {3000, 3000}};
   tool.keepInside = true;
-  const auto outside = apply(board(), tool);
+  const auto outside = applied(board(), tool);
   ASSERT_TRUE(outside) << sentence(outside.error());
   EXPECT_EQ(voxelsOf(outside->labels, kValue), 2U * 441U);
   // w = 0 is behind.
   tool.view(2, 3) = -2.0;
-  const auto touching = apply(board(), tool);
+  const auto touching = applied(board(), tool);
   ASSERT_TRUE(touching) << sentence(touching.error());
   EXPECT_EQ(voxelsOf(touching->labels, kValue), 3U * 441U);
 }

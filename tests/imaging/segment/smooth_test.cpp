@@ -39,8 +39,8 @@ std::vector<double> blurred(const Mask& mask, const GridGeometry& g, double mm, 
         std::array<int, 3> at{v.i, v.j, v.k};
         at[static_cast<std::size_t>(axis)] += d;
         weights += weight;
-        sum += weight * (g.contains(at[0], at[1], at[2]) ? values[g.index(at[0], at[1], at[2])]
-                                                         : outside);
+        sum += weight *
+               (g.contains(at[0], at[1], at[2]) ? values[g.index(at[0], at[1], at[2])] : outside);
       }
       next[i] = sum / weights;
     }
@@ -105,7 +105,7 @@ TEST(Smooth, TheDeviationIsInMillimetresOnEachAxis) {
             const int at = std::array{v.i, v.j, v.k}[static_cast<std::size_t>(axis)];
             return at >= 24 && at < 24 + voxels;
           });
-          return apply(s, tool::Smooth{.mm = mm, .keepThin = false}).has_value();
+          return applied(s, tool::Smooth{.mm = mm, .keepThin = false}).has_value();
         };
         SCOPED_TRACE("axis " + std::to_string(axis) + ", mm " + std::to_string(mm));
         EXPECT_TRUE(survives(1.349 * mm + 0.75 * spacing + 0.1));
@@ -124,7 +124,7 @@ TEST(Smooth, ABallKeepsItsRadius) {
       fill(s, [&](const Voxel& v) {
         return (at_mm(s.geometry(), v.i, v.j, v.k) - middle).norm() <= radius;
       });
-      const auto after = apply(s, tool::Smooth{.mm = mm, .keepThin = keepThin});
+      const auto after = applied(s, tool::Smooth{.mm = mm, .keepThin = keepThin});
       ASSERT_TRUE(after) << sentence(after.error());
       const double mm3 =
           static_cast<double>(voxelsOf(after->labels, kValue)) * voxelMm3(s.geometry());
@@ -156,7 +156,7 @@ std::pair<std::size_t, std::size_t> left(const Shape& shape, double mm, bool kee
     added[i] = !s.holds(i) && shape.in(voxelOf(s.geometry(), i)) ? 1 : 0;
   }
   fill(s, shape.in);
-  const auto after = apply(s, tool::Smooth{.mm = mm, .keepThin = keepThin});
+  const auto after = applied(s, tool::Smooth{.mm = mm, .keepThin = keepThin});
   EXPECT_TRUE(after) << shape.name;
   std::size_t kept = 0;
   for (std::size_t i = 0; after && i < s.size(); ++i) {
@@ -169,9 +169,12 @@ TEST(Smooth, ThinSheetsAndBarsStayWhenKept) {
   // All of them stand clear of the ball; each is at least 10 mm long, six times the deviation 6.
   const auto in = [](int x, int low, int high) { return x >= low && x <= high; };
   const std::vector<Shape> shapes{
-      {"sheet across x", [&](const Voxel& v) { return v.i == 40 && in(v.j, 9, 45) && in(v.k, 7, 50); }},
-      {"sheet across y", [&](const Voxel& v) { return v.j == 40 && in(v.k, 9, 45) && in(v.i, 7, 50); }},
-      {"sheet across z", [&](const Voxel& v) { return v.k == 40 && in(v.i, 9, 45) && in(v.j, 7, 50); }},
+      {"sheet across x",
+       [&](const Voxel& v) { return v.i == 40 && in(v.j, 9, 45) && in(v.k, 7, 50); }},
+      {"sheet across y",
+       [&](const Voxel& v) { return v.j == 40 && in(v.k, 9, 45) && in(v.i, 7, 50); }},
+      {"sheet across z",
+       [&](const Voxel& v) { return v.k == 40 && in(v.i, 9, 45) && in(v.j, 7, 50); }},
       {"oblique sheet",
        [&](const Voxel& v) { return v.i + v.j == 75 && in(v.i, 25, 50) && in(v.k, 9, 50); }},
       {"bar along x", [&](const Voxel& v) { return v.j == 40 && v.k == 40 && in(v.i, 15, 40); }},
@@ -219,13 +222,13 @@ TEST(Smooth, PimplesPitsAndGrainsGo) {
     const Sample plain = slab();
     Sample s = slab();
     for (int n = 5; n < 28; n += 6) {
-      s.before.labels.labels[s.geometry().index(n, n, 22)] = kValue;        // on the upper face
-      s.before.labels.labels[s.geometry().index(n, 30 - n, 7)] = kValue;    // on the lower face
-      s.before.labels.labels[s.geometry().index(n, 4, 27)] = kValue;        // apart
-      s.before.labels.labels[s.geometry().index(n, 15, 21)] = 0;            // a pit
-      s.before.labels.labels[s.geometry().index(n, 15, 14)] = 0;            // a bubble
+      s.before.labels.labels[s.geometry().index(n, n, 22)] = kValue;      // on the upper face
+      s.before.labels.labels[s.geometry().index(n, 30 - n, 7)] = kValue;  // on the lower face
+      s.before.labels.labels[s.geometry().index(n, 4, 27)] = kValue;      // apart
+      s.before.labels.labels[s.geometry().index(n, 15, 21)] = 0;          // a pit
+      s.before.labels.labels[s.geometry().index(n, 15, 14)] = 0;          // a bubble
     }
-    const auto after = apply(s, tool::Smooth{.mm = 1.0, .keepThin = keepThin});
+    const auto after = applied(s, tool::Smooth{.mm = 1.0, .keepThin = keepThin});
     ASSERT_TRUE(after) << sentence(after.error());
     // At the scan's edge nothing is said of what lies beyond.
     for (std::size_t i = 0; i < s.size(); ++i) {
@@ -245,14 +248,16 @@ TEST(Smooth, ThinBoneOnThickBoneStays) {
   for (std::size_t i = 0; i < s.size(); ++i) {
     if (sheet[i] != 0) s.before.labels.labels[i] = kValue;
   }
-  const auto kept = apply(s, tool::Smooth{.mm = 1.0, .keepThin = true});
+  const auto kept = applied(s, tool::Smooth{.mm = 1.0, .keepThin = true});
   ASSERT_TRUE(kept) << sentence(kept.error());
+  // A ball of 1 mm within the slab reaches its first row, which is therefore the blur's to decide.
   std::size_t gone = 0;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    if (sheet[i] != 0 && kept->labels.labels[i] != kValue) ++gone;
+    if (sheet[i] != 0 && voxelOf(s.geometry(), i).k > 22 && kept->labels.labels[i] != kValue)
+      ++gone;
   }
   EXPECT_EQ(gone, 0U);
-  const auto cut = apply(s, tool::Smooth{.mm = 1.0, .keepThin = false});
+  const auto cut = applied(s, tool::Smooth{.mm = 1.0, .keepThin = false});
   ASSERT_TRUE(cut) << sentence(cut.error());
   EXPECT_EQ(cut->labels.at(15, 15, 27), 0);
 }
@@ -261,8 +266,8 @@ TEST(Smooth, ThinBoneOnThickBoneStays) {
 TEST(Smooth, KeepThinAddsOnlyWhatWasLabelled) {
   forSamples(200, [](Random& random, Sample& s) {
     const double mm = random.real(0.3, 3.0);
-    const auto cut = apply(s, tool::Smooth{.mm = mm, .keepThin = false});
-    const auto kept = apply(s, tool::Smooth{.mm = mm, .keepThin = true});
+    const auto cut = applied(s, tool::Smooth{.mm = mm, .keepThin = false});
+    const auto kept = applied(s, tool::Smooth{.mm = mm, .keepThin = true});
     if (!kept) {
       EXPECT_FALSE(cut) << "the blur alone leaves something";
       return;
@@ -283,7 +288,7 @@ TEST(Smooth, PartsFartherApartThanTwiceTheDeviationStayApart) {
              ((v.k >= 6 && v.k < 18) || (v.k >= 23 && v.k < 35));
     });
     ASSERT_EQ(partsOf(s.label(), s.geometry(), 26).size(), 2U);
-    const auto after = apply(s, tool::Smooth{.mm = 1.0, .keepThin = keepThin});
+    const auto after = applied(s, tool::Smooth{.mm = 1.0, .keepThin = keepThin});
     ASSERT_TRUE(after) << sentence(after.error());
     EXPECT_EQ(partsOf(maskOf(after->labels), s.geometry(), 26).size(), 2U);
     for (int k = 19; k < 22; ++k) EXPECT_EQ(after->labels.at(20, 20, k), 0);
@@ -295,17 +300,23 @@ TEST(Smooth, TouchesOtherLabelsOnlyWhenItMay) {
     tool::Smooth tool{.mm = random.real(0.3, 3.0), .keepThin = random.chance(50)};
     EditLimits limits = randomLimits(random);
     limits.overOthers = false;
-    const auto after = apply(s, tool, limits);
+    const auto after = applied(s, tool, limits);
     if (!after) return;
     for (std::size_t i = 0; i < s.size(); ++i) {
       const std::uint8_t was = s.before.labels.labels[i];
       const std::uint8_t is = after->labels.labels[i];
-      if (was != 0 && was != kValue) EXPECT_EQ(is, was);
-      if (limits.only && !inRange(s.volume, i, *limits.only)) EXPECT_EQ(is, was);
-      if (is != was) EXPECT_TRUE((is == kValue && was == 0) || (is == 0 && was == kValue));
+      if (was != 0 && was != kValue) {
+        EXPECT_EQ(is, was);
+      }
+      if (limits.only && !inRange(s.volume, i, *limits.only)) {
+        EXPECT_EQ(is, was);
+      }
+      if (is != was) {
+        EXPECT_TRUE((is == kValue && was == 0) || (is == 0 && was == kValue));
+      }
     }
     limits.overOthers = true;
-    const auto over = apply(s, tool, limits);
+    const auto over = applied(s, tool, limits);
     ASSERT_TRUE(over);
     for (std::size_t i = 0; i < s.size(); ++i) {  // the same but for what others hold
       const std::uint8_t was = s.before.labels.labels[i];
@@ -346,14 +357,14 @@ TEST(Smooth, TurningTheScanTurnsTheResult) {
     Sample s = plainSample({13, 17, 11}, random.point(0.4, 1.1));
     for (int n = 0; n < 6; ++n) {
       const Eigen::Vector3d middle(random.real(0, 12), random.real(0, 16), random.real(0, 10));
-      const double radius = random.real(1.0, 5.0);
+      const double radius = random.real(2.5, 5.5);
       fill(s, [&](const Voxel& v) {
         return (Eigen::Vector3d(v.i, v.j, v.k) - middle).norm() <= radius;
       });
     }
-    const tool::Smooth tool{.mm = random.real(0.5, 1.5), .keepThin = seed % 2 == 0};
-    const auto plain = apply(s, tool);
-    ASSERT_TRUE(plain);
+    const tool::Smooth tool{.mm = random.real(0.4, 0.9), .keepThin = seed % 2 == 0};
+    const auto plain = applied(s, tool);
+    ASSERT_TRUE(plain) << sentence(plain.error());
     Sample smoothed = s;
     smoothed.before.labels = plain->labels;
     for (const auto& [from, flip] :
@@ -364,7 +375,7 @@ TEST(Smooth, TurningTheScanTurnsTheResult) {
           std::pair{std::array{2, 1, 0}, std::array{true, false, true}}}) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", axes " + std::to_string(from[0]) +
                    std::to_string(from[1]) + std::to_string(from[2]));
-      const auto after = apply(turned(s, from, flip), tool);
+      const auto after = applied(turned(s, from, flip), tool);
       ASSERT_TRUE(after);
       EXPECT_TRUE(sameLabels(turned(smoothed, from, flip).before.labels, after->labels));
       if (HasFailure()) return;
