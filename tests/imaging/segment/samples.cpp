@@ -243,7 +243,12 @@ Result<LabelState> applied(const Sample& sample, const LabelTool& tool, const Ed
   step.label = label;
   step.tool = tool;
   step.limits = limits;
-  return applyStep(sample.volume, sample.before, step);
+  try {
+    return applyStep(sample.volume, sample.before, step);
+  } catch (const std::exception& thrown) {  // errors are returned, never thrown
+    ADD_FAILURE() << thrown.what() << "\n" << describe(sample);
+    return fail(machineError(thrown.what()));
+  }
 }
 
 LabelGrid edited(const Sample& sample, const EditLimits& limits, const Mask& wanted,
