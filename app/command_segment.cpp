@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/commands.h"
+#include "app/segment_from_file.h"
 #include "app/segment_recipe.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
@@ -33,6 +34,7 @@ struct SegmentOptions {
   std::string preset;
   std::vector<double> threshold;
   fs::path recipe;
+  fs::path from;
   std::string label;
   bool largest = false;
   double minMm3 = 0.0;
@@ -174,6 +176,10 @@ CommandOutput reportLabels(const Work& work) {
 }
 
 Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandContext& context) {
+  if (!options.from.empty()) {
+    const bool partOptions = options.largest || options.minMm3 > 0.0;
+    return segmentFromFile({options.caseFolder, options.from, options.label, partOptions}, context);
+  }
   const Result<std::vector<SegmentStep>> steps = stepsOf(options);
   if (!steps) return fail(steps.error());
   context.progress(0.0, "Reading the case");
@@ -225,6 +231,8 @@ void addSegmentCommand(CommandSet& commands) {
   how->add_option("--threshold", options->threshold, "Lowest and highest value, inclusive (HU)")
       ->expected(2);
   how->add_option("--recipe", options->recipe, "TOML file of [[step]] tables");
+  how->add_option("--from", options->from,
+                  "Labels of a file: DICOM SEG, MetaImage, NRRD, STL, PLY or OBJ");
   how->require_option(1);
   sub->add_option("--label", options->label, "Label to replace (default: the preset's)");
   sub->add_flag("--largest", options->largest, "Keep only the largest connected part");
