@@ -44,6 +44,19 @@ std::vector<FoundLabel> namedValues(const LabelGrid& grid, const fs::path& file,
   return labels;
 }
 
+/// 3D Slicer stores segments that overlap as values of one voxel each.
+Result<void> refuseLayers(const fs::path& file) {
+  const auto header = readItkHeader(VolumeFormat::Nrrd, file);
+  if (!header || (header->components == 1 && header->volumes == 1)) return {};
+  return fail(inputRefused("The file holds its segments in layers.")
+                  .inFile(file.string())
+                  .inField("sizes")
+                  .butFound(std::to_string(header->components * header->volumes) + " layers")
+                  .wants("one layer, in which no segments overlap")
+                  .advise("In 3D Slicer's Segmentations module choose Advanced, Collapse labelmap "
+                          "layers, and save again; or export a DICOM segmentation."));
+}
+
 }  // namespace
 
 Result<void> writeLabelVolume(const LabelGrid& labels, const LabelTable& table,
@@ -52,6 +65,7 @@ Result<void> writeLabelVolume(const LabelGrid& labels, const LabelTable& table,
 }
 
 Result<FoundLabels> readLabelVolume(const fs::path& file, const GridGeometry& geometry) {
+  if (auto flat = refuseLayers(file); !flat) return fail(flat.error());
   const auto stated = readLabelFile(file);
   if (!stated) return fail(stated.error());
   const auto fit = fitToGrid(statedGrid(stated->geometry), geometry, file, "origin, directions");

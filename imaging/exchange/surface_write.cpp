@@ -37,8 +37,8 @@ vtkSmartPointer<vtkPolyData> polyData(const SurfaceMesh& mesh) {
     normals->SetTypedTuple(static_cast<vtkIdType>(v), mesh.normals[v].data());
   }
   auto cells = vtkSmartPointer<vtkCellArray>::New();
-  cells->AllocateExact(static_cast<vtkIdType>(mesh.triangles.size()),
-                       static_cast<vtkIdType>(mesh.triangles.size() * 3));
+  const auto count = static_cast<vtkIdType>(mesh.triangles.size());
+  cells->AllocateExact(count, count * 3);
   for (const auto& t : mesh.triangles) cells->InsertNextCell({t[0], t[1], t[2]});
   auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);

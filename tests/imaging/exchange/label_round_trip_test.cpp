@@ -208,6 +208,19 @@ TEST(LabelVolume, CutShortIsRefused) {
   }
 }
 
+TEST(LabelVolume, LayersAreRefused) {
+  TestFolder folder;
+  test::writeBytes(folder / "a.seg.nrrd",
+                   "NRRD0004\ntype: unsigned char\ndimension: 4\nspace: left-posterior-superior\n"
+                   "sizes: 2 2 2 2\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+                   "kinds: list domain domain domain\nencoding: raw\nspace origin: (0,0,0)\n\n"
+                   "0123456789abcdef");
+  expectRefusal(readLabelVolume(folder / "a.seg.nrrd", test::obliqueGeometry(2, 2, 2)),
+                folder / "a.seg.nrrd",
+                {"The file holds its segments in layers.", "sizes", "2 layers",
+                 "one layer, in which no segments overlap"});
+}
+
 TEST(ImportLabels, NameRenamesOneLabelAndChoosesAmongSeveral) {
   TestFolder folder;
   std::mt19937 random(6);
