@@ -278,7 +278,7 @@ TEST_F(Seg, FramesThatAreNotDescribedAreRefused) {
 TEST_F(Seg, CutShortIsRefusedAtEveryLength) {
   const std::string bytes = test::readBytes(file);
   for (std::size_t n = 0; n < bytes.size(); n += 7) {
-    test::writeBytes(file, bytes.substr(0, n));
+    test::writeAgain(file, bytes.substr(0, n));
     const auto found = read();
     ASSERT_FALSE(found) << n << " bytes";
     EXPECT_EQ(found.error().kind, ErrorKind::InputRefused);
@@ -290,16 +290,14 @@ TEST_F(Seg, CutShortIsRefusedAtEveryLength) {
 }
 
 TEST_F(Seg, ADamagedByteNeitherCrashesNorHangs) {
-  constexpr unsigned kSeed = 20261126;
-  std::printf("seed %u\n", kSeed);
-  std::mt19937 random(kSeed);
+  std::mt19937 random(test::damageSeed());
   const std::string bytes = test::readBytes(file);
   const auto start = std::chrono::steady_clock::now();
   std::size_t refusals = 0;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(random());
-    test::writeBytes(file, damaged);
+    test::writeAgain(file, damaged);
     const auto found = read();
     if (!found) {
       ++refusals;

@@ -5,12 +5,14 @@
 
 #include <Eigen/Geometry>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <random>
 
 #include "imaging/case_folder.h"
 #include "imaging/exchange/label_exchange.h"
 #include "tests/imaging/demo_files.h"
+#include "tests/imaging/volume_samples.h"
 
 namespace palpate::test {
 
@@ -71,6 +73,20 @@ inline Result<ExportReport> exportCase(const std::filesystem::path& folder,
                                        const std::filesystem::path& file,
                                        std::vector<std::string> names = {}, bool force = false) {
   return exportLabels({folder, file, std::move(names), force, "0"});
+}
+
+/// Of the bytes that a test damages; PALPATE_TEST_SEED for another run.
+inline unsigned damageSeed() {
+  const char* asked = std::getenv("PALPATE_TEST_SEED");
+  const unsigned seed = asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : 20261126U;
+  std::printf("seed %u\n", seed);
+  return seed;
+}
+
+/// As writeBytes(), thousands of times: ext4 flushes a file that is cut and written again.
+inline void writeAgain(const std::filesystem::path& file, const std::string& bytes) {
+  std::filesystem::remove(file);
+  writeBytes(file, bytes);
 }
 
 /// What a test expects of a refusal, word by word.
