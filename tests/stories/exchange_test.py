@@ -203,6 +203,46 @@ def look_at_header(seg, wrong):
         wrong.append(f"types {types}")
 
 
+def check_foreign(program, folder, wrong):
+    """A liver by dcmqi, of pydicom's own test files, into a case of the grid that it states."""
+    source = pathlib.Path(pydicom.__file__).parent / "data/test_files/liver_1frame.dcm"
+    if not source.exists():
+        print("pydicom's liver_1frame.dcm is not there: no segmentation of another program")
+        return
+    seg = pydicom.dcmread(str(source))
+    # The file is one frame of three, though it still describes them all.
+    frame = seg.PerFrameFunctionalGroupsSequence[0]
+    seg.NumberOfFrames = 1
+    seg.PerFrameFunctionalGroupsSequence = [frame]
+    seg.save_as(str(folder / "liver.dcm"))
+    shared = seg.SharedFunctionalGroupsSequence[0]
+    cosines = [float(c) for c in shared.PlaneOrientationSequence[0].ImageOrientationPatient]
+    measures = shared.PixelMeasuresSequence[0]
+    down, along = map(float, measures.PixelSpacing)
+    row, column = cosines[:3], cosines[3:]
+    normal = [row[1] * column[2] - row[2] * column[1], row[2] * column[0] - row[0] * column[2],
+              row[0] * column[1] - row[1] * column[0]]
+    corner = [float(c) for c in frame.PlanePositionSequence[0].ImagePositionPatient]
+    thick = 2.5
+    axes = [[c * along for c in row], [c * down for c in column], [c * thick for c in normal]]
+    origin = [corner[r] - axes[2][r] for r in range(3)]  # the frame is the second slice of three
+    vector = "({!r},{!r},{!r})".format
+    head = (f"NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\n"
+            f"sizes: {seg.Columns} {seg.Rows} 3\n"
+            f"space directions: {' '.join(vector(*axis) for axis in axes)}\n"
+            f"kinds: domain domain domain\nendian: little\nencoding: raw\n"
+            f"space origin: {vector(*origin)}\n\n")
+    size = seg.Columns * seg.Rows
+    (folder / "liver.nrrd").write_bytes(head.encode() + bytes(2 * 3 * size))
+    palpate(program, "import", folder / "liver.nrrd", "--out", folder / "liver")
+    found = palpate(program, "segment", folder / "liver", "--from", folder / "liver.dcm")
+    expected = bytes(size) + bytes(bit(seg.PixelData, n) for n in range(size)) + bytes(size)
+    data = (folder / "liver/labels.mha").read_bytes().partition(b"ElementDataFile = LOCAL\n")[2]
+    if zlib.decompress(data) != expected or found["labels"][0]["name"] != "Liver":
+        wrong.append("dcmqi's segmentation came in as something else")
+    print(f"dcmqi's liver: {sum(expected)} voxels")
+
+
 def check_by_dciodvfy(file, wrong):
     try:
         done = subprocess.run(["dciodvfy", str(file)], capture_output=True, text=True, timeout=60)
@@ -242,6 +282,7 @@ def main():
         for ending in ("stl", "ply", "obj"):
             palpate(options.palpate, "export", case, "--label", BONE,
                     "--out", folder / f"labels.{ending}")
+        check_foreign(options.palpate, folder, wrong)
         for exported in folder.glob("labels.*"):
             if any(secret in exported.read_bytes() for secret in SECRETS):
                 wrong.append(f"a name of the patient is in {exported.name}")
