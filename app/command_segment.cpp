@@ -3,6 +3,8 @@
 
 #include "app/command.h"
 #include "app/commands.h"
+#include "app/label_report.h"
+#include "app/segment_from_file.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
 #include "imaging/case_folder.h"
@@ -24,6 +26,7 @@ struct SegmentOptions {
   std::vector<double> threshold;
   fs::path recipe;
   std::vector<std::string> steps;
+  fs::path from;
   std::string label;
   bool largest = false;
   double minMm3 = 0.0;
@@ -108,25 +111,6 @@ Error fromRecipe(Error error, const fs::path& recipe, std::size_t step) {
   return error;
 }
 
-CommandOutput reportLabels(const Work& work) {
-  CommandOutput output;
-  output.json["labels"] = nlohmann::ordered_json::array();
-  TextTable table({"label", "value", "voxels", "mm³"});
-  for (const LabelCount& count : countLabels(work.state.labels, work.state.table)) {
-    nlohmann::ordered_json row;
-    row["name"] = count.name;
-    row["value"] = count.value;
-    row["voxels"] = count.voxels;
-    row["mm3"] = count.mm3;
-    output.json["labels"].push_back(row);
-    table.add({count.name, std::to_string(count.value), std::to_string(count.voxels),
-               decimal(count.mm3, 1)});
-  }
-  output.text = table.text();
-  output.warnings = work.warnings;
-  return output;
-}
-
 Result<Work> openCase(const fs::path& folder) {
   Work work;
   Result<Volume> volume = readCaseVolume(folder);
@@ -147,6 +131,10 @@ Result<Work> openCase(const fs::path& folder) {
 }
 
 Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandContext& context) {
+  if (!options.from.empty()) {
+    const bool partOptions = options.largest || options.minMm3 > 0.0;
+    return segmentFromFile({options.caseFolder, options.from, options.label, partOptions}, context);
+  }
   const Result<std::vector<LabelStep>> steps = stepsOf(options);
   if (!steps) return fail(steps.error());
   context.progress(0.0, "Reading the case");
@@ -166,7 +154,7 @@ Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandCon
     return fail(written.error());
   }
   context.progress(1.0, "Segmented");
-  return reportLabels(*work);
+  return labelReport(work->state.labels, work->state.table, std::move(work->warnings));
 }
 
 std::string presetList() {
@@ -193,6 +181,8 @@ void addSegmentCommand(CommandSet& commands) {
   how->add_option("--step", options->steps,
                   "A step of a recipe on one line: tool = 'margin', label = 'bone', operation = "
                   "'close', mm = 2; repeatable");
+  how->add_option("--from", options->from,
+                  "Labels of a file: DICOM SEG, MetaImage, NRRD, STL, PLY or OBJ");
   how->require_option(1);
   sub->add_option("--label", options->label, "Label to replace (default: the preset's)");
   sub->add_flag("--largest", options->largest, "Keep only the largest connected part");

@@ -10,6 +10,7 @@ void addSeriesCommand(CommandSet& commands);
 void addSegmentCommand(CommandSet& commands);
 void addTreeCommand(CommandSet& commands);
 void addSimulateCommand(CommandSet& commands);
+void addExportCommand(CommandSet& commands);
 void addReplayCommand(CommandSet& commands);
 void addTradeoffCommand(CommandSet& commands);
 void addDevicesCommand(CommandSet& commands);
