@@ -31,6 +31,7 @@ extern const std::array<const char*, 8> kPhaseNames;
 
 struct DicomFile {
   std::filesystem::path path;
+  std::string name;  ///< For people: the last part of the path, of a member's in an archive.
   std::uintmax_t bytes = 0;
   std::string seriesUid, instanceUid, modality, description;
   std::string studyUid, studyDate;

@@ -38,6 +38,12 @@ std::string withoutNames(const DicomFile& file) {
   return file.description;
 }
 
+std::string nameOf(const std::vector<DicomFile>& files, const FrameRef& ref) {
+  const DicomFile& file = files[ref.file];
+  return file.frames.size() == 1 ? file.name
+                                 : file.name + " frame " + std::to_string(ref.frame + 1);
+}
+
 /// Images of one place: copies are left out, different ones make the stack no volume.
 void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
   if (stack.duplicates.empty() || (!stack.reason.empty() && !stack.needsRepair)) return;
@@ -49,17 +55,28 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
   for (const std::size_t slice : stack.duplicateOf) frames.push_back(stack.slices[slice]);
   const auto digests = imageDigests(files, frames);
   if (!digests) return refuse("one of its images cannot be decoded");
+  const auto digest = [&](const FrameRef& r) { return digests->at({r.file, r.frame}); };
+  std::map<std::size_t, std::set<std::string>> different;  // By place.
+  std::size_t more = 0;                                    // Than one image a place.
+  std::string names;                                       // Of the first two.
   for (std::size_t d = 0; d < stack.duplicates.size(); ++d) {
-    const FrameRef& copy = stack.duplicates[d];
+    const FrameRef& image = stack.duplicates[d];
     const FrameRef& slice = stack.slices[stack.duplicateOf[d]];
-    if (digests->at({copy.file, copy.frame}) != digests->at({slice.file, slice.frame})) {
-      return refuse("different images lie at the same place (" +
-                    std::to_string(stack.duplicates.size() + stack.slices.size()) + " images at " +
-                    std::to_string(stack.slices.size()) + " places)");
-    }
+    std::set<std::string>& here = different[stack.duplicateOf[d]];
+    here.insert(digest(slice));
+    if (!here.insert(digest(image)).second) continue;
+    ++more;
+    if (names.empty()) names = nameOf(files, slice) + " and " + nameOf(files, image);
+  }
+  if (more > 0) {
+    return refuse("different images lie at the same place: " + names + " (" +
+                  std::to_string(stack.slices.size() + more) + " different images at " +
+                  std::to_string(stack.slices.size()) + " places)");
   }
   stack.warnings.push_back(std::to_string(stack.duplicates.size()) +
-                           " identical copies of images were left out.");
+                           (stack.duplicates.size() == 1 ? " identical copy of an image was"
+                                                         : " identical copies of images were") +
+                           " left out.");
 }
 
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {

@@ -45,6 +45,12 @@ bool isDirectoryFile(const fs::path& file) {
   return name == "DICOMDIR" && mayBeDicom(file);
 }
 
+/// What the archive calls the numbered file.
+std::string nameOfMember(const fs::path& file, const std::vector<std::string>& members) {
+  const std::string number = file.filename().string();
+  return fs::path(members[std::stoul(number)]).filename().string();
+}
+
 }  // namespace
 
 Result<DicomScan> scanDicom(const fs::path& path, const Progress& progress) {
@@ -52,13 +58,14 @@ Result<DicomScan> scanDicom(const fs::path& path, const Progress& progress) {
   std::error_code ec;
   fs::path folder = path;
   std::vector<fs::path> paths;
+  std::vector<std::string> members;
   if (!fs::is_directory(path, ec)) {
     if (isArchive(path)) {
       auto unpacked = PrivateFolder::make();
       if (!unpacked) return fail(unpacked.error());
-      if (auto done = unpackArchive(path, unpacked->path(), {}, progress); !done) {
-        return fail(done.error());
-      }
+      auto names = unpackArchive(path, unpacked->path(), {}, progress);
+      if (!names) return fail(names.error());
+      members = std::move(*names);
       folder = unpacked->path();
       scan.unpacked.emplace(std::move(*unpacked));
     } else if (isDirectoryFile(path)) {
@@ -84,6 +91,7 @@ Result<DicomScan> scanDicom(const fs::path& path, const Progress& progress) {
   }
   for (auto& header : headers) {
     if (header) {
+      if (scan.unpacked) header->name = nameOfMember(header->path, members);
       scan.files.push_back(std::move(*header));
     } else {
       ++scan.skipped;

@@ -213,15 +213,35 @@ TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "1 identical copies of images were left out.");
+  EXPECT_EQ(scan->warnings[0], "1 identical copy of an image was left out.");
   v.int16[2 * 20 * 14] = static_cast<std::int16_t>(v.int16[2 * 20 * 14] ^ 1);
   writeDicomSeries(v, folder.path(), {.slices = {2}, .filePrefix = "other"});
   const auto refused = importScan({.path = folder.path()});
   ASSERT_FALSE(refused);
   EXPECT_EQ(
       refused.error().message,
-      "The series cannot become a volume: different images lie at the same place (6 images at "
-      "4 places).");
+      "The series cannot become a volume: different images lie at the same place: copy00000 and "
+      "other00000 (5 different images at 4 places).")
+      << "the copy counts once";
+}
+
+TEST(Dicom, ConflictsInAnArchiveAreNamedAsInTheArchive) {
+  TestFolder images;
+  Volume v = sample(2);
+  writeDicomSeries(v, images.path());
+  v.int16[0] = static_cast<std::int16_t>(v.int16[0] ^ 1);
+  writeDicomSeries(v, images.path(), {.slices = {0}, .filePrefix = "other"});
+  std::vector<std::pair<std::string, std::string>> members{{"folder/read.me", "text"}};
+  for (const char* name : {"image00000", "image00611", "other00000"}) {
+    members.emplace_back(std::string("folder/") + name, test::readBytes(images / name));
+  }
+  TestFolder folder;
+  test::writeArchive(folder / "study", "tar.gz", members);
+  const auto refused = importScan({.path = folder / "study"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "The series cannot become a volume: different images lie at the same place: image00000 "
+            "and other00000 (3 different images at 2 places).");
 }
 
 TEST(Dicom, OtherOrientationInTheSeriesIsLeftOut) {
