@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,14 @@ struct DicomFrame {
 /// The names of DicomFrame::phase, for people.
 extern const std::array<const char*, 8> kPhaseNames;
 
+/// Why a file or a stack of images is no volume, and where that is written.
+struct DicomProblem {
+  std::string reason = {};  ///< The end of a sentence: "its rescale slope is zero". Empty: none.
+  std::string field = {};   ///< Attributes by DICOM's keywords; empty where no one is to blame.
+  std::string found = {}, expected = {};
+  [[nodiscard]] bool empty() const { return reason.empty(); }
+};
+
 struct DicomFile {
   std::filesystem::path path;
   std::string name;  ///< For people: the last part of the path, of a member's in an archive.
@@ -47,10 +56,10 @@ struct DicomFile {
   bool modalityLut = false;
   std::vector<DicomFrame> frames;
   bool damaged = false;  ///< The file ends early or is not what DICOM allows.
-  std::string problem;   ///< Why there is no grey image to read; empty when there is.
+  DicomProblem problem;  ///< Why there is no grey image to read; empty when there is.
 };
 
-/// The problem of a file that should hold an image but ends early.
+/// The reason of a file that should hold an image but ends early.
 inline constexpr const char* kDamagedFile = "it is damaged or cut short";
 
 /// Looks at the first bytes only.
@@ -58,6 +67,8 @@ inline constexpr const char* kDamagedFile = "it is damaged or cut short";
 /// Empty when the file is not a DICOM image object at all (text, DICOMDIR, damaged beyond reading).
 /// Any thread.
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path& file);
+/// As DICOM writes several numbers: "0.5\0.5".
+[[nodiscard]] std::string dicomNumbers(std::initializer_list<double> values);
 /// "JPEG 2000 (lossless only)"; the UID itself when unknown, if it is one.
 [[nodiscard]] std::string transferSyntaxName(const std::string& uid);
 

@@ -46,15 +46,15 @@ std::string nameOf(const std::vector<DicomFile>& files, const FrameRef& ref) {
 
 /// Images of one place: copies are left out, different ones make the stack no volume.
 void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
-  if (stack.duplicates.empty() || (!stack.reason.empty() && !stack.needsRepair)) return;
-  const auto refuse = [&stack](const std::string& why) {
-    stack.reason = why;
+  if (stack.duplicates.empty() || (!stack.problem.empty() && !stack.needsRepair)) return;
+  const auto refuse = [&stack](DicomProblem why) {
+    stack.problem = std::move(why);
     stack.needsRepair = false;
   };
   std::vector<FrameRef> frames = stack.duplicates;
   for (const std::size_t slice : stack.duplicateOf) frames.push_back(stack.slices[slice]);
   const auto digests = imageDigests(files, frames);
-  if (!digests) return refuse("one of its images cannot be decoded");
+  if (!digests) return refuse({.reason = "one of its images cannot be decoded"});
   const auto digest = [&](const FrameRef& r) { return digests->at({r.file, r.frame}); };
   std::map<std::size_t, std::set<std::string>> different;  // By place.
   std::size_t more = 0;                                    // Than one image a place.
@@ -69,9 +69,10 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
     if (names.empty()) names = nameOf(files, slice) + " and " + nameOf(files, image);
   }
   if (more > 0) {
-    return refuse("different images lie at the same place: " + names + " (" +
-                  std::to_string(stack.slices.size() + more) + " different images at " +
-                  std::to_string(stack.slices.size()) + " places)");
+    return refuse({"different images lie at the same place: " + names + " (" +
+                       std::to_string(stack.slices.size() + more) + " different images at " +
+                       std::to_string(stack.slices.size()) + " places)",
+                   "ImagePositionPatient", "the same in " + names, "one image a place"});
   }
   stack.warnings.push_back(std::to_string(stack.duplicates.size()) +
                            (stack.duplicates.size() == 1 ? " identical copy of an image was"
@@ -81,11 +82,15 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
 
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {
   const std::string& series = files[stack.slices.front().file].seriesUid;
-  const auto damaged = std::count_if(files.begin(), files.end(), [&](const DicomFile& f) {
-    return f.seriesUid == series && f.damaged;
-  });
+  const auto isDamaged = [&](const DicomFile& f) { return f.seriesUid == series && f.damaged; };
+  const auto damaged = std::count_if(files.begin(), files.end(), isDamaged);
   if (damaged == 0) return;
-  stack.reason = std::to_string(damaged) + " of its files are damaged or cut short";
+  const auto first = std::find_if(files.begin(), files.end(), isDamaged);
+  stack.problem = {
+      .reason = std::to_string(damaged) + " of its files are damaged or cut short",
+      .field = first->problem.field,
+      .found = first->name + (first->problem.found.empty() ? "" : ": " + first->problem.found),
+      .expected = "whole files"};
   stack.needsRepair = false;
 }
 
@@ -121,8 +126,8 @@ SeriesInfo infoOf(const std::vector<DicomFile>& files, const DicomStack& stack) 
   describeStudy(first, info);
   info.files = members.size();
   for (const std::size_t member : members) info.bytes += files[member].bytes;
-  info.importable = stack.reason.empty();
-  info.reason = stack.reason;
+  info.importable = stack.problem.empty();
+  info.reason = stack.problem.reason;
   if (stack.needsRepair) {
     info.repair = repairWords(stack);
     info.reason += "; imports with --repair " + info.repair;
@@ -150,7 +155,7 @@ void listOthers(const std::vector<DicomFile>& files, SeriesList& list) {
     describeStudy(file, info);
     info.files = 1;
     info.bytes = file.bytes;
-    info.reason = file.problem;
+    info.reason = file.problem.reason;
     list.series.push_back(std::move(info));
   }
 }
@@ -188,15 +193,18 @@ Error nothingThere(const fs::path& path, const DicomScan& scan) {
       .advise("Choose the folder, disc or archive that holds the study.");
 }
 
-Error notAVolume(const fs::path& path, const std::string& reason) {
-  if (reason == kDamagedFile) {
-    return inputRefused("A DICOM image could not be decoded: " + reason + ".")
-        .inFile(path.string())
-        .advise("Copy the file again from where it came.");
-  }
-  return inputRefused("The series cannot become a volume: " + reason + ".")
-      .inFile(path.string())
-      .advise("Choose another series of the study; `palpate series PATH` lists them.");
+Error notAVolume(const fs::path& path, const DicomProblem& problem) {
+  const bool damaged = problem.reason == kDamagedFile;
+  Error error = inputRefused((damaged ? "A DICOM image could not be decoded: "
+                                      : "The series cannot become a volume: ") +
+                             problem.reason + ".")
+                    .inFile(path.string());
+  if (!problem.field.empty()) error.inField(problem.field);
+  if (!problem.found.empty()) error.butFound(problem.found);
+  if (!problem.expected.empty()) error.wants(problem.expected);
+  error.advise(damaged ? "Copy the file again from where it came."
+                       : "Choose another series of the study; `palpate series PATH` lists them.");
+  return error;
 }
 
 Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
@@ -217,7 +225,7 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
 }
 
 bool isVolume(const DicomStack& stack) {
-  return stack.reason.empty() || stack.needsRepair;
+  return stack.problem.empty() || stack.needsRepair;
 }
 
 /// The series' UID without the "#2" of a part.
@@ -258,9 +266,9 @@ Result<const DicomStack*> choose(const std::vector<DicomStack>& stacks, const Di
   if (candidates.empty()) return fail(notAVolume(request.path, scan.files.front().problem));
   const DicomStack* first = candidates.front();
   if (request.seriesUid && first->uid == *request.seriesUid) candidates = {first};
-  const std::string reason = first->reason;
+  const DicomProblem& problem = first->problem;
   std::erase_if(candidates, [](const DicomStack* s) { return !isVolume(*s); });
-  if (candidates.empty()) return fail(notAVolume(request.path, reason));
+  if (candidates.empty()) return fail(notAVolume(request.path, problem));
   dropScouts(candidates);
   if (candidates.size() > 1) return fail(severalVolumes(request.path, scan.files, candidates));
   return candidates.front();
@@ -272,7 +280,7 @@ Result<void> refuseUnrepaired(const DicomStack& stack, const ImportRequest& requ
   if (!tilt && !spacing) return {};
   const std::string words = repairWords(stack);
   return fail(
-      inputRefused("The series is not a regular box: " + stack.reason + ".")
+      inputRefused("The series is not a regular box: " + stack.problem.reason + ".")
           .inFile(request.path.string())
           .inField(tilt ? "gantry tilt" : "slice spacing")
           .wants("slices at even distances, straight above each other")
@@ -298,7 +306,7 @@ Result<void> repair(const std::vector<DicomFile>& files, const DicomStack& stack
                 regular->volume.geometry.dims[2], regular->volume.geometry.spacing.z() * 1e3);
   std::snprintf(moved, sizeof moved, "Largest displacement of a slice: %.2f mm.",
                 regular->largestDisplacement_mm);
-  scan.repairs.push_back(std::string(grid) + "; before, " + stack.reason + ". " + moved);
+  scan.repairs.push_back(std::string(grid) + "; before, " + stack.problem.reason + ". " + moved);
   scan.volume = std::move(regular->volume);
   return {};
 }

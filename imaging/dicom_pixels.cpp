@@ -290,7 +290,7 @@ Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& vis
 }  // namespace
 
 Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
-  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem.reason));
   try {
     return decodeFrames(file, visit);
   } catch (const std::exception&) {

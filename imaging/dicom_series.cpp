@@ -100,21 +100,39 @@ std::vector<Group> splitPhases(const std::vector<DicomFile>& files, const Group&
   return {};
 }
 
-std::string geometryProblem(const DicomFrame& f) {
-  if (!f.hasSpacing) return "it states no pixel spacing";
+DicomProblem geometryProblem(const DicomFrame& f) {
+  const std::string nothing = "no such numbers";
+  const std::string spacing = "two lengths from 0.0001 to 1000 mm";
+  const std::string place = "three coordinates within a kilometre";
+  const std::string directions = "two perpendicular directions of length 1";
+  if (!f.hasSpacing) return {"it states no pixel spacing", "PixelSpacing", nothing, spacing};
   if (!(f.spacing_mm.minCoeff() >= kMinSpacing_mm) || f.spacing_mm.maxCoeff() > 1000.0) {
-    return "its pixel spacing is not a length";
+    return {"its pixel spacing is not a length", "PixelSpacing",
+            dicomNumbers({f.spacing_mm.y(), f.spacing_mm.x()}), spacing};
   }
-  if (!f.hasPosition) return "it states no position in the patient";
+  if (!f.hasPosition) {
+    return {"it states no position in the patient", "ImagePositionPatient", nothing, place};
+  }
   if (f.position_mm.cwiseAbs().maxCoeff() > kMaxPosition_mm) {
-    return "its position is far outside of any scanner";
+    return {"its position is far outside of any scanner", "ImagePositionPatient",
+            dicomNumbers({f.position_mm.x(), f.position_mm.y(), f.position_mm.z()}), place};
   }
-  if (!f.hasOrientation) return "it states no orientation in the patient";
+  if (!f.hasOrientation) {
+    return {"it states no orientation in the patient", "ImageOrientationPatient", nothing,
+            directions};
+  }
   const bool square = std::abs(f.row.norm() - 1.0) < 1e-3 &&
                       std::abs(f.column.norm() - 1.0) < 1e-3 &&
                       std::abs(f.row.dot(f.column)) < 1e-3;
-  if (!square) return "its orientation is not two perpendicular directions";
-  if (f.slope == 0.0) return "its rescale slope is zero";
+  if (!square) {
+    return {
+        "its orientation is not two perpendicular directions", "ImageOrientationPatient",
+        dicomNumbers({f.row.x(), f.row.y(), f.row.z(), f.column.x(), f.column.y(), f.column.z()}),
+        directions};
+  }
+  if (f.slope == 0.0) {
+    return {"its rescale slope is zero", "RescaleSlope", "0", "any other number"};
+  }
   return {};
 }
 
@@ -171,11 +189,17 @@ void orderSlices(const std::vector<DicomFile>& files, const Eigen::Vector3d& nor
 void judgeShape(DicomStack& stack) {
   const StackShape& s = stack.shape;
   if (stack.geometry.voxelCount() > kMaxVoxels) {
-    stack.reason = "it has more voxels than Palpate holds (2^31)";
+    stack.problem = {"it has more voxels than Palpate holds (2^31)", "Columns, Rows, slices",
+                     std::to_string(stack.geometry.dims[0]) + " x " +
+                         std::to_string(stack.geometry.dims[1]) + " x " +
+                         std::to_string(stack.geometry.dims[2]),
+                     "at most 2^31 voxels"};
     return;
   }
   if (s.minGap_mm < kSamePlace_mm && stack.slices.size() > 1) {
-    stack.reason = "several of its images share one plane at different places";
+    stack.problem = {"several of its images share one plane at different places",
+                     "ImagePositionPatient", "two images " + millimetres(s.minGap_mm) + " apart",
+                     "one image a plane"};
     return;
   }
   if (s.tilted()) {
@@ -185,16 +209,16 @@ void judgeShape(DicomStack& stack) {
         "its slices are sheared against their normal by %.1f degrees (gantry tilt), up to "
         "%.1f mm",
         s.tilt_deg, s.sideways_mm);
-    stack.reason = text;
+    stack.problem.reason = text;
   }
   if (s.uneven()) {
     char text[160];
     std::snprintf(text, sizeof text,
                   "its slices are %.3g to %.3g mm apart (uneven spacing or missing slices)",
                   s.minGap_mm, s.maxGap_mm);
-    stack.reason += (stack.reason.empty() ? "" : "; ") + std::string(text);
+    stack.problem.reason += (stack.problem.empty() ? "" : "; ") + std::string(text);
   }
-  stack.needsRepair = !stack.reason.empty();
+  stack.needsRepair = !stack.problem.empty();
   if (!stack.needsRepair && std::max(s.sideways_mm, s.unevenness_mm) > 1e-3) {
     stack.warnings.push_back("The positions in the files differ from a regular box by up to " +
                              millimetres(std::max(s.sideways_mm, s.unevenness_mm)) + ".");
@@ -208,8 +232,8 @@ DicomStack makeStack(const std::vector<DicomFile>& files, const Group& group) {
                             [&](const FrameRef& r) { return files[r.file].localizer; });
   const DicomFrame& first = frameOf(files, group.frames.front());
   for (const FrameRef& ref : group.frames) {
-    stack.reason = geometryProblem(frameOf(files, ref));
-    if (!stack.reason.empty()) {
+    stack.problem = geometryProblem(frameOf(files, ref));
+    if (!stack.problem.empty()) {
       stack.slices = group.frames;
       return stack;
     }

@@ -37,9 +37,9 @@ struct DicomStack {
   std::vector<FrameRef> duplicates;  ///< Same place as the slice of `duplicateOf`.
   std::vector<std::size_t> duplicateOf;
   StackShape shape;
-  GridGeometry geometry;     ///< Of the regular box; valid when `reason` is empty or needsRepair.
-  std::string reason;        ///< Why it is not a volume; empty when it is.
-  bool needsRepair = false;  ///< `reason` speaks of tilt or uneven spacing only.
+  GridGeometry geometry;     ///< Of the regular box; valid when there is no problem or needsRepair.
+  DicomProblem problem;      ///< Why it is not a volume; empty when it is.
+  bool needsRepair = false;  ///< `problem` speaks of tilt or uneven spacing only.
   std::vector<std::string> warnings;
 };
 

@@ -419,6 +419,46 @@ TEST_F(Hostile, PlacesAndSpacingsBeyondAnyScanner) {
   EXPECT_NE(refusal(file), "accepted");
 }
 
+/// `text` in place of the first `from`, as long.
+std::string changed(std::string file, const std::string& from, const std::string& text) {
+  EXPECT_EQ(from.size(), text.size());
+  return file.replace(file.find(from), from.size(), text);
+}
+
+TEST_F(Hostile, RefusalsNameTheAttributeAndItsValue) {
+  const std::string file = image().file();
+  DicomBytes frames = image();
+  frames.frameCount = "1.5";
+  DicomBytes bits = image();
+  bits.bitsAllocated = 7;
+  DicomBytes nowhere = image();
+  nowhere.ownGeometry = false;
+  const struct {
+    std::string bytes, field, found;
+  } all[] = {
+      {changed(file, "0.5\\0.5", "0.0\\0.0"), "PixelSpacing", "0\\0"},
+      {nowhere.file(), "PixelSpacing", "no such numbers"},
+      {changed(file, "1\\0\\0\\0\\1\\0", "0\\0\\0\\0\\2\\0"), "ImageOrientationPatient",
+       "0\\0\\0\\0\\2\\0"},
+      {withNumber(file, kRows, 0), "Rows, Columns", "0, 8"},
+      {withNumber(file, kRows, 65535), "PixelData", "128 bytes"},
+      {withNumber(file, 0x00280002, 3), "SamplesPerPixel", "3"},
+      {changed(file, "MONOCHROME2", "YBR_FULL   "), "PhotometricInterpretation", "YBR_FULL"},
+      {withNumber(file, 0x00280100, 1), "BitsAllocated", "1"},
+      {bits.file(), "BitsAllocated, BitsStored, HighBit", "7, 16, 15"},
+      {frames.file(), "NumberOfFrames", "1.5"},
+      {changed(file, test::tagBytes(kRows), test::tagBytes(0x00280009)), "SOPClassUID",
+       "CTImageStorage"},
+  };
+  for (const auto& c : all) {
+    const auto scan = importScan({.path = write(c.bytes)});
+    ASSERT_FALSE(scan) << c.field;
+    EXPECT_EQ(scan.error().field.value_or("none"), c.field) << sentence(scan.error());
+    EXPECT_EQ(scan.error().found.value_or("none"), c.found) << sentence(scan.error());
+    EXPECT_TRUE(scan.error().expected) << sentence(scan.error());
+  }
+}
+
 TEST_F(Hostile, TableOfImpossibleNumbers) {
   DicomBytes d = image();
   d.beforePixels = sequence(0x00283000, {element(0x00283002, "DS", "1e300\\-1e300\\16") +

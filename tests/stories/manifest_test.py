@@ -39,6 +39,7 @@ LONGEST_S = 10  # For a damaged file.
 ONE_SLICE = "One slice only: it can be looked at, but not felt; a tree needs two slices or more."
 NOT_A_VOLUME = "The series cannot become a volume: {}."
 NO_SPACING = NOT_A_VOLUME.format("it states no pixel spacing")
+NO_NUMBERS = "no such numbers"
 NO_IMAGE_HERE = "The DICOM file holds no image, or is damaged."
 CUT_SHORT = "A DICOM image could not be decoded: it is damaged or cut short."
 NOT_A_BOX = "The series is not a regular box: {}."
@@ -143,7 +144,9 @@ def expectations():
         PIXELS + "rtdose_1frame.dcm": refused(re.compile("dose", re.I)),
         PIXELS + "MR_small_padded.dcm": one_slice(0.8),
         PIXELS + "SC_rgb_jpeg_dcmtk.dcm": refused(NOT_A_VOLUME.format("its image is in colour")),
-        PIXELS + "rtstruct.dcm": refused(NOT_A_VOLUME.format("it holds no image (RTSTRUCT)")),
+        PIXELS + "rtstruct.dcm": refused(
+            NOT_A_VOLUME.format("it holds no image (RTSTRUCT)"),
+            field="SOPClassUID", found="RTStructureSetStorage"),
         PIXELS + "CT_small.dcm": one_slice(5),
         PIXELS + "MR_small_implicit.dcm": one_slice(0.8),
         PIXELS + "mr_12bit_packed.dcm": one_slice(
@@ -169,18 +172,25 @@ def expectations():
 
         MALFORMED + "rows_cols_65535.dcm": refused(
             NOT_A_VOLUME.format("it states an image of an impossible size "
-                                "(65535 x 65535 pixels, 1 frame)")),
+                                "(65535 x 65535 pixels, 1 frame)"),
+            field="Columns, Rows, NumberOfFrames",
+            found="65535 x 65535 pixels, 1 frame in 39168 bytes"),
         MALFORMED + "rows_zero.dcm": refused(
-            NOT_A_VOLUME.format("its image has no rows or no columns")),
+            NOT_A_VOLUME.format("its image has no rows or no columns"),
+            field="Rows, Columns", found="0, 128"),
         MALFORMED + "spacing_zero.dcm": refused(
-            NOT_A_VOLUME.format("its pixel spacing is not a length")),
+            NOT_A_VOLUME.format("its pixel spacing is not a length"),
+            field="PixelSpacing", found="0\\0"),
         MALFORMED + "no_position.dcm": refused(
-            NOT_A_VOLUME.format("it states no position in the patient")),
+            NOT_A_VOLUME.format("it states no position in the patient"),
+            field="ImagePositionPatient", found=NO_NUMBERS),
         MALFORMED + "orientation_zero.dcm": refused(
-            NOT_A_VOLUME.format("its orientation is not two perpendicular directions")),
-        MALFORMED + "pixel_length_4g.dcm": refused(CUT_SHORT),
-        MALFORMED + "truncated_half.dcm": refused(CUT_SHORT),
-        MALFORMED + "slope_zero.dcm": refused(NOT_A_VOLUME.format("its rescale slope is zero")),
+            NOT_A_VOLUME.format("its orientation is not two perpendicular directions"),
+            field="ImageOrientationPatient", found="0\\0\\0\\0\\0\\0"),
+        MALFORMED + "pixel_length_4g.dcm": refused(CUT_SHORT, field="PixelData"),
+        MALFORMED + "truncated_half.dcm": refused(CUT_SHORT, field="PixelData"),
+        MALFORMED + "slope_zero.dcm": refused(
+            NOT_A_VOLUME.format("its rescale slope is zero"), field="RescaleSlope", found="0"),
 
         # Ten files; the copy counts for nothing.
         DERIVED + "duplicate_slices/": refused(NOT_A_VOLUME.format(
@@ -668,6 +678,9 @@ def check_refusal(row):
         row.equal(message, wanted, "the message")
     else:
         row.expect(wanted.search(message), f"the message {message!r} lacks {wanted.pattern!r}")
+    for part in ("field", "found"):
+        if part in row.expected:
+            row.equal(error.get(part), row.expected[part], f"the {part}")
     series_refuses(row, row.series(), error)
 
 
