@@ -247,6 +247,18 @@ void dropScouts(std::vector<const DicomStack*>& candidates) {
   if (oneSeries) keep([](const DicomStack* s) { return s->slices.size() > 1; });
 }
 
+/// Where no stack of images is asked for: an object of that series that holds none, or nothing.
+Error noImages(const std::vector<DicomFile>& files, const ImportRequest& request) {
+  const auto object = std::find_if(files.begin(), files.end(), [&](const DicomFile& f) {
+    return !request.seriesUid || f.seriesUid == *request.seriesUid;
+  });
+  if (object != files.end()) return notAVolume(request.path, object->problem);
+  return inputRefused("There is no such series in there.")
+      .inFile(request.path.string())
+      .inField("series")
+      .advise("List the series with: palpate series PATH");
+}
+
 Result<const DicomStack*> choose(const std::vector<DicomStack>& stacks, const DicomScan& scan,
                                  const ImportRequest& request) {
   if (scan.files.empty()) return fail(nothingThere(request.path, scan));
@@ -257,13 +269,7 @@ Result<const DicomStack*> choose(const std::vector<DicomStack>& stacks, const Di
       candidates.push_back(&stack);
     }
   }
-  if (candidates.empty() && request.seriesUid && !stacks.empty()) {
-    return fail(inputRefused("There is no such series in there.")
-                    .inFile(request.path.string())
-                    .inField("series")
-                    .advise("List the series with: palpate series PATH"));
-  }
-  if (candidates.empty()) return fail(notAVolume(request.path, scan.files.front().problem));
+  if (candidates.empty()) return fail(noImages(scan.files, request));
   const DicomStack* first = candidates.front();
   if (request.seriesUid && first->uid == *request.seriesUid) candidates = {first};
   const DicomProblem& problem = first->problem;

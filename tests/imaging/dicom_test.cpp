@@ -8,6 +8,7 @@
 #include "imaging/import.h"
 #include "tests/imaging/archive_samples.h"
 #include "tests/imaging/demo_files.h"
+#include "tests/imaging/dicom_bytes.h"
 #include "tests/imaging/dicom_writer.h"
 #include "tests/imaging/volume_samples.h"
 
@@ -202,6 +203,21 @@ TEST(Dicom, SeveralSeriesAreRefusedWithTheListAndChosenByUid) {
   ASSERT_EQ(list->series.size(), 2U);
   EXPECT_EQ(list->series[0].files, 3U);
   EXPECT_EQ(list->series[1].geometry.dims, w.geometry.dims);
+}
+
+TEST(Dicom, ANamedSeriesWithoutImagesIsThereAndHoldsNone) {
+  TestFolder folder;
+  writeDicomSeries(sample(3), folder.path(), {.seriesUid = "2.25.1"});
+  // Of series 2.25.1001, without rows.
+  std::string object = test::DicomBytes().file();
+  const std::string rows = test::number16(0x00280010, 8);
+  object.replace(object.find(rows), rows.size(), test::number16(0x00280009, 8));
+  test::writeBytes(folder / "object", object);
+  const auto scan = importScan({.path = folder.path(), .seriesUid = "2.25.1001"});
+  ASSERT_FALSE(scan);
+  EXPECT_EQ(scan.error().message, "The series cannot become a volume: it holds no image (CT).");
+  EXPECT_EQ(scan.error().field, "SOPClassUID");
+  EXPECT_EQ(scan.error().found, "CTImageStorage");
 }
 
 TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {

@@ -794,6 +794,11 @@ def check_several(row, path=None):
               len(stacks), "the number of volumes listed")
     for entry in told["series"]:
         check_one_of_several(row, path, entry, stacks)
+    for entry in told["series"]:
+        if not any(uid == entry["uid"].partition("#")[0] for uid, _ in stacks):
+            refused_ = row.refuse("--series", entry["uid"], path=path)
+            row.expect(entry["reason"] in refused_.get("message", ""),
+                       f"{entry['uid']} is refused with {refused_.get('message')!r}")
 
 
 def check_one_of_several(row, path, entry, stacks):
