@@ -211,10 +211,10 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
                      const std::vector<const DicomStack*>& stacks) {
   std::string list;
   for (const DicomStack* stack : stacks) {
-    list += (list.empty() ? "" : "; ") + stack->uid + " (" +
-            files[stack->slices.front().file].modality + ", " +
-            std::to_string(stack->slices.size()) +
-            (stack->slices.size() == 1 ? " slice)" : " slices)");
+    list +=
+        (list.empty() ? "" : "; ") + stack->uid + " (" +
+        files[stack->slices.front().file].modality + ", " + std::to_string(stack->slices.size()) +
+        (stack->slices.size() == 1 ? " slice)" : " slices)") + (stack->scout ? ", a scout" : "");
   }
   return inputRefused("There are several volumes in there.")
       .inFile(path.string())
@@ -233,8 +233,9 @@ std::string baseUid(const std::string& uid) {
   return uid.substr(0, uid.find('#'));
 }
 
-/// Scouts and single images beside the one stack of the same series are not what is meant.
-void dropScouts(std::vector<const DicomStack*>& candidates) {
+/// What is left when scouts go where there is anything else, and single images where a stack of the
+/// same series has several.
+std::vector<const DicomStack*> withoutScouts(std::vector<const DicomStack*> candidates) {
   const auto keep = [&candidates](auto&& wanted) {
     if (std::any_of(candidates.begin(), candidates.end(), wanted)) {
       std::erase_if(candidates, [&](const DicomStack* s) { return !wanted(s); });
@@ -245,6 +246,7 @@ void dropScouts(std::vector<const DicomStack*>& candidates) {
       candidates.begin(), candidates.end(),
       [&](const DicomStack* s) { return baseUid(s->uid) == baseUid(candidates.front()->uid); });
   if (oneSeries) keep([](const DicomStack* s) { return s->slices.size() > 1; });
+  return candidates;
 }
 
 /// Where no stack of images is asked for: an object of that series that holds none, or nothing.
@@ -259,6 +261,8 @@ Error noImages(const std::vector<DicomFile>& files, const ImportRequest& request
       .advise("List the series with: palpate series PATH");
 }
 
+/// One rule, with a series' UID and without: of what is asked for and can be a volume, the only one
+/// that is no scout and no single image beside a stack. Otherwise the choice is the user's.
 Result<const DicomStack*> choose(const std::vector<DicomStack>& stacks, const DicomScan& scan,
                                  const ImportRequest& request) {
   if (scan.files.empty()) return fail(nothingThere(request.path, scan));
@@ -275,9 +279,9 @@ Result<const DicomStack*> choose(const std::vector<DicomStack>& stacks, const Di
   const DicomProblem& problem = first->problem;
   std::erase_if(candidates, [](const DicomStack* s) { return !isVolume(*s); });
   if (candidates.empty()) return fail(notAVolume(request.path, problem));
-  dropScouts(candidates);
-  if (candidates.size() > 1) return fail(severalVolumes(request.path, scan.files, candidates));
-  return candidates.front();
+  const auto meant = withoutScouts(candidates);
+  if (meant.size() > 1) return fail(severalVolumes(request.path, scan.files, candidates));
+  return meant.front();
 }
 
 Result<void> refuseUnrepaired(const DicomStack& stack, const ImportRequest& request) {

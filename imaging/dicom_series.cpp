@@ -300,8 +300,9 @@ std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files) {
       return a.slices.size() > b.slices.size();
     });
     // The plain UID means the one stack that can be meant by it: the only one, or the only one of
-    // several slices.
-    const bool firstIsMeant = own.size() == 1 || own[1].slices.size() < 2;
+    // several slices. Of several single images, none is meant more than the others.
+    const bool firstIsMeant =
+        own.size() == 1 || (own[0].slices.size() > 1 && own[1].slices.size() < 2);
     for (std::size_t i = 0; i < own.size(); ++i) {
       if (i > 0 || !firstIsMeant) own[i].uid = uid + "#" + std::to_string(i + 1);
       stacks.push_back(std::move(own[i]));

@@ -205,6 +205,48 @@ TEST(Dicom, SeveralSeriesAreRefusedWithTheListAndChosenByUid) {
   EXPECT_EQ(list->series[1].geometry.dims, w.geometry.dims);
 }
 
+TEST(Dicom, ScoutsAreInTheListOfSeveralVolumes) {
+  TestFolder folder;
+  Volume scout = sample(1);
+  scout.modality = "CT";
+  writeDicomSeries(sample(3), folder / "a", {.seriesUid = "2.25.1"});
+  writeDicomSeries(scout, folder / "b",
+                   {.seriesUid = "2.25.2", .imageType = "ORIGINAL\\PRIMARY\\LOCALIZER"});
+  EXPECT_TRUE(importScan({.path = folder.path()})) << "the scout is not meant";
+  EXPECT_TRUE(importScan({.path = folder.path(), .seriesUid = "2.25.2"}))
+      << "by its own name it is";
+  writeDicomSeries(sample(4), folder / "c", {.seriesUid = "2.25.3"});
+  const auto refused = importScan({.path = folder.path()});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().found,
+            "2.25.1 (MR, 3 slices); 2.25.2 (CT, 1 slice), a scout; 2.25.3 (MR, 4 slices)");
+}
+
+TEST(Dicom, AUidOfSeveralSingleImagesIsRefusedWithTheList) {
+  TestFolder folder;
+  Volume a = sample(1);
+  Volume b = a;
+  b.geometry.X_PV.linear() = Eigen::Matrix3d::Identity();
+  writeDicomSeries(a, folder.path());
+  writeDicomSeries(b, folder.path(), {.filePrefix = "other"});
+  for (const auto& uid : {std::optional<std::string>(), std::optional<std::string>("2.25.1001")}) {
+    const auto refused = importScan({.path = folder.path(), .seriesUid = uid});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "There are several volumes in there.");
+    EXPECT_EQ(refused.error().found, "2.25.1001#1 (MR, 1 slice); 2.25.1001#2 (MR, 1 slice)");
+  }
+  const auto second = importScan({.path = folder.path(), .seriesUid = "2.25.1001#2"});
+  ASSERT_TRUE(second) << sentence(second.error());
+  EXPECT_LT(second->volume.geometry.cornerDistance(b.geometry), 1e-6);
+  // A stack beside them is what their UID means.
+  Volume c = sample(3);
+  c.geometry.X_PV.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  writeDicomSeries(c, folder.path(), {.filePrefix = "stack"});
+  const auto stack = importScan({.path = folder.path(), .seriesUid = "2.25.1001"});
+  ASSERT_TRUE(stack) << sentence(stack.error());
+  EXPECT_EQ(stack->volume.geometry.dims[2], 3);
+}
+
 TEST(Dicom, ANamedSeriesWithoutImagesIsThereAndHoldsNone) {
   TestFolder folder;
   writeDicomSeries(sample(3), folder.path(), {.seriesUid = "2.25.1"});

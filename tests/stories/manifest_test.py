@@ -784,8 +784,9 @@ def check_several(row, path=None):
     error = row.refuse(path=path)
     row.equal(error.get("message"), "There are several volumes in there.", "the message")
     named = re.findall(r"(\S+) \((\w+), (\d+) slices?\)", error.get("found") or "")
-    row.expect({uid for uid, _, _ in named} <= {s["uid"] for s in told["series"]},
-               "the refusal names what series does not list")
+    row.equal({uid for uid, _, _ in named},
+              {s["uid"] for s in told["series"] if s["importable"] or s["repair"]},
+              "what the refusal names")
     stacks = stacks_of(headers_of(row.path))
     row.expect({s["SeriesInstanceUID"] for s in row.reference["series"][row.key]["series"]}
                <= {s["uid"].partition("#")[0] for s in told["series"]}, "a series is not listed")
@@ -794,6 +795,14 @@ def check_several(row, path=None):
               len(stacks), "the number of volumes listed")
     for entry in told["series"]:
         check_one_of_several(row, path, entry, stacks)
+    for uid, parts in itertools.groupby(sorted(s["uid"] for s in told["series"]),
+                                        lambda uid: uid.partition("#")[0]):
+        # A bare UID that no stack has to itself is a choice of its parts.
+        parts = set(parts)
+        if uid not in parts:
+            found = row.refuse("--series", uid, path=path).get("found") or ""
+            row.expect(parts <= set(re.findall(r"(\S+) \(", found)),
+                       f"{uid} is refused with {found!r} for {parts}")
     for entry in told["series"]:
         if not any(uid == entry["uid"].partition("#")[0] for uid, _ in stacks):
             refused_ = row.refuse("--series", entry["uid"], path=path)
