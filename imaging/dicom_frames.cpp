@@ -52,6 +52,7 @@ void readMeasures(DcmItem& item, DicomFrame& frame) {
 void readRescale(DcmItem& item, DicomFrame& frame) {
   (void)dicomNumber(item, DCM_RescaleSlope, frame.slope);
   (void)dicomNumber(item, DCM_RescaleIntercept, frame.intercept);
+  frame.rescaleType = dicomCode(item, DCM_RescaleType);
 }
 
 DicomFrame readClassic(DcmItem& dataset) {

@@ -168,6 +168,19 @@ bool lossySyntax(const std::string& uid) {
          uid == "1.2.840.10008.1.2.4.81";
 }
 
+/// The first two values say whether it is original and of the patient.
+std::string kindOfImage(DcmItem& dataset) {
+  constexpr unsigned long kMaxValues = 8;
+  std::string kind;
+  for (unsigned long value = 2; value < kMaxValues; ++value) {
+    const std::string code = dicomCode(dataset, DCM_ImageType, value);
+    if (code.empty()) break;
+    if (!kind.empty()) kind.push_back(' ');
+    kind += code;
+  }
+  return kind;
+}
+
 /// Why the file's frames cannot be told; empty when they can.
 DicomProblem readFrames(DcmItem& dataset, DicomFile& file) {
   const std::uint32_t frames = frameCount(dataset);
@@ -202,6 +215,13 @@ std::string transferSyntaxName(const std::string& uid) {
   // A damaged file may hold anything there, a name too.
   const bool isUid = uid.size() <= 64 && uid.find_first_not_of("0123456789.") == std::string::npos;
   return isUid ? uid : "unknown transfer syntax";
+}
+
+bool isOtherThanHounsfield(const DicomFile& file, const DicomFrame& frame) {
+  if (file.modality != "CT") return false;
+  const std::string& unit = frame.rescaleType;
+  return (!unit.empty() && unit != "HU" && unit != "HU_MOD") ||
+         file.imageKind.find("PERFUSION") != std::string::npos;
 }
 
 bool mayBeDicom(const fs::path& file) {
@@ -257,6 +277,7 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.highBit = whole(*dataset, DCM_HighBit, file.bitsStored - 1);
   file.isSigned = whole(*dataset, DCM_PixelRepresentation, 0) == 1;
   const std::string imageType = dicomText(*dataset, DCM_ImageType);
+  file.imageKind = kindOfImage(*dataset);
   file.localizer = imageType.find("LOCALIZER") != std::string::npos;
   file.mosaic = imageType.find("MOSAIC") != std::string::npos;
   file.lossy =

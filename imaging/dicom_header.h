@@ -22,6 +22,7 @@ struct DicomFrame {
   Eigen::Vector3d row = Eigen::Vector3d::Zero(), column = Eigen::Vector3d::Zero();
   Eigen::Vector2d spacing_mm = Eigen::Vector2d::Zero();  ///< Along row, along column.
   double slope = 1.0, intercept = 0.0;
+  std::string rescaleType;    ///< The unit, "HU"; empty when not said.
   double thickness_mm = 0.0;  ///< 0 when not said.
   /// What tells images of one place apart: time, echo, b-value ..., in the order of kPhaseNames.
   std::vector<std::string> phase;
@@ -50,6 +51,7 @@ struct DicomFile {
   std::uint32_t rows = 0, columns = 0, samples = 1;
   std::uint32_t bitsAllocated = 0, bitsStored = 0, highBit = 0;
   bool isSigned = false;
+  std::string imageKind;   ///< ImageType from its third value on: "AXIAL", "PERFUSION RCBF".
   bool localizer = false;  ///< The scanner says that it is a scout.
   bool mosaic = false;     ///< Many slices side by side in one image (Siemens).
   bool lossy = false;
@@ -62,6 +64,9 @@ struct DicomFile {
 /// The reason of a file that should hold an image but ends early.
 inline constexpr const char* kDamagedFile = "it is damaged or cut short";
 
+/// Whether a CT's header says that its numbers are other than Hounsfield units: another unit, or a
+/// map of perfusion. Most headers of plain CT say nothing.
+[[nodiscard]] bool isOtherThanHounsfield(const DicomFile& file, const DicomFrame& frame);
 /// Looks at the first bytes only.
 [[nodiscard]] bool mayBeDicom(const std::filesystem::path& file);
 /// Empty when the file is not a DICOM image object at all (text, DICOMDIR, damaged beyond reading).

@@ -121,7 +121,7 @@ SeriesInfo infoOf(const std::vector<DicomFile>& files, const DicomStack& stack) 
   for (const FrameRef& ref : stack.duplicates) members.insert(ref.file);
   SeriesInfo info;
   info.uid = stack.uid;
-  info.modality = first.modality;
+  info.modality = modalityOf(files, stack);
   info.description = first.description;
   describeStudy(first, info);
   info.files = members.size();
@@ -213,7 +213,7 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
   for (const DicomStack* stack : stacks) {
     list +=
         (list.empty() ? "" : "; ") + stack->uid + " (" +
-        files[stack->slices.front().file].modality + ", " + std::to_string(stack->slices.size()) +
+        modalityOf(files, *stack) + ", " + std::to_string(stack->slices.size()) +
         (stack->slices.size() == 1 ? " slice)" : " slices)") + (stack->scout ? ", a scout" : "");
   }
   return inputRefused("There are several volumes in there.")
@@ -327,6 +327,13 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
   if (stacks.size() > 1) {
     scan.warnings.push_back("Left out: " + std::to_string(stacks.size() - 1) +
                             " other image stacks (scouts or other series).");
+  }
+  if (scan.volume.modality != first.modality) {
+    const std::string& unit = first.frames.front().rescaleType;
+    scan.warnings.push_back(
+        "The values are not Hounsfield units, though the header calls the image CT (its kind: " +
+        first.imageKind + (unit.empty() ? "" : ", unit: " + unit) +
+        "). It is taken as an image of another modality (OT); no CT preset fits it.");
   }
   if (first.mosaic) {
     scan.warnings.emplace_back(

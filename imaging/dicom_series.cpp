@@ -284,6 +284,13 @@ bool StackShape::uneven() const noexcept {
   return unevenness_mm > kPlaceTolerance_mm;
 }
 
+std::string modalityOf(const std::vector<DicomFile>& files, const DicomStack& stack) {
+  const bool other = std::any_of(stack.slices.begin(), stack.slices.end(), [&](const FrameRef& r) {
+    return isOtherThanHounsfield(files[r.file], frameOf(files, r));
+  });
+  return other ? "OT" : files[stack.slices.front().file].modality;
+}
+
 std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<DicomStack>> ofSeries;

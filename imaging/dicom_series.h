@@ -43,6 +43,10 @@ struct DicomStack {
   std::vector<std::string> warnings;
 };
 
+/// The header's; "OT" (other) for a CT whose values are not Hounsfield units, so that nothing takes
+/// its numbers for them.
+[[nodiscard]] std::string modalityOf(const std::vector<DicomFile>& files, const DicomStack& stack);
+
 /// Stacks by series in the order of first files; within a series, the largest first.
 [[nodiscard]] std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files);
 

@@ -371,6 +371,33 @@ TEST(Dicom, NamesAreShownButNotKept) {
   EXPECT_EQ(importScan(request)->patientName, "Mustermann^Erika");
 }
 
+TEST(Dicom, AMapOfPerfusionIsNotTakenAsCt) {
+  TestFolder folder;
+  Volume v = sample(3);
+  v.modality = "CT";
+  writeDicomSeries(v, folder / "ct", {.imageType = "ORIGINAL\\PRIMARY\\AXIAL"});
+  EXPECT_EQ(importScan({.path = folder / "ct"})->volume.modality, "CT");
+  writeDicomSeries(v, folder / "map", {.imageType = "DERIVED\\PRIMARY\\PERFUSION\\RCBF"});
+  const auto map = importScan({.path = folder / "map"});
+  ASSERT_TRUE(map) << sentence(map.error());
+  EXPECT_EQ(map->volume.modality, "OT");
+  ASSERT_EQ(map->warnings.size(), 1U);
+  EXPECT_EQ(map->warnings[0],
+            "The values are not Hounsfield units, though the header calls the image CT (its kind: "
+            "PERFUSION RCBF). It is taken as an image of another modality (OT); no CT preset fits "
+            "it.");
+  EXPECT_EQ(listSeries(folder / "map")->series[0].modality, "OT");
+  // The unit alone says it too.
+  test::DicomBytes bytes;
+  bytes.pixels = test::plainPixels(128);
+  for (const auto& [unit, modality] :
+       {std::pair{"HU", "CT"}, std::pair{"US", "OT"}, std::pair{"MGML", "OT"}}) {
+    bytes.beforePixels = test::element(0x00281054, "LO", unit);
+    test::writeBytes(folder / "one", bytes.file());
+    EXPECT_EQ(importScan({.path = folder / "one"})->volume.modality, modality) << unit;
+  }
+}
+
 TEST(Dicom, OneSliceWarns) {
   TestFolder folder;
   writeDicomSeries(sample(1), folder.path());
