@@ -70,6 +70,7 @@ Result<CommandOutput> runSeries(const SeriesOptions& options, const CommandConte
                series.description, series.uid});
   }
   output.json["skipped_files"] = list->skippedFiles;
+  output.warnings = list->warnings;
   output.text = table.text() + std::to_string(list->skippedFiles) + " other files skipped\n";
   return output;
 }

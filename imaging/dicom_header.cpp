@@ -252,7 +252,6 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   if (!usable || dataset->tagExists(DCM_DirectoryRecordSequence)) return std::nullopt;
   DicomFile file;
   file.path = path;
-  file.name = path.filename().string();
   std::error_code ec;
   file.bytes = fs::file_size(path, ec);
   file.seriesUid = dicomText(*dataset, DCM_SeriesInstanceUID);

@@ -41,7 +41,7 @@ struct DicomProblem {
 
 struct DicomFile {
   std::filesystem::path path;
-  std::string name;  ///< For people: the last part of the path, of a member's in an archive.
+  std::string name;  ///< For people, from the scan: the last part of its path, also in an archive.
   std::uintmax_t bytes = 0;
   std::string seriesUid, instanceUid, modality, description;
   std::string studyUid, studyDate;

@@ -211,10 +211,10 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
                      const std::vector<const DicomStack*>& stacks) {
   std::string list;
   for (const DicomStack* stack : stacks) {
-    list +=
-        (list.empty() ? "" : "; ") + stack->uid + " (" +
-        modalityOf(files, *stack) + ", " + std::to_string(stack->slices.size()) +
-        (stack->slices.size() == 1 ? " slice)" : " slices)") + (stack->scout ? ", a scout" : "");
+    list += (list.empty() ? "" : "; ") + stack->uid + " (" + modalityOf(files, *stack) + ", " +
+            std::to_string(stack->slices.size()) +
+            (stack->slices.size() == 1 ? " slice)" : " slices)") +
+            (stack->scout ? ", a scout" : "");
   }
   return inputRefused("There are several volumes in there.")
       .inFile(path.string())
@@ -359,6 +359,7 @@ Result<SeriesList> listDicomSeries(const fs::path& path, const Progress& progres
   if (scan->files.empty()) return fail(nothingThere(path, *scan));
   SeriesList list;
   list.skippedFiles = scan->skipped;
+  list.warnings = scan->warnings;
   const auto stacks = stacksOf(*scan);
   for (const DicomStack& stack : stacks) {
     if (progress.cancelled()) return fail(cancelled());
@@ -401,6 +402,7 @@ Result<ImportedScan> importDicom(const ImportRequest& request, const Progress& p
       return fail(done.error());
     }
   }
+  scan.warnings = found->warnings;
   addWarnings(stacks, stack, first, scan);
   if (request.keepNames) {
     scan.patientName = first.patientName;

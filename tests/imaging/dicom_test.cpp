@@ -355,6 +355,54 @@ TEST(Dicom, ArchivesAreOpened) {
   }
 }
 
+/// A DICOMDIR that refers to these files.
+std::string directoryOf(const std::vector<std::string>& files, std::uint32_t inUse = 0xFFFF) {
+  std::vector<std::string> records{test::number16(0x00041410, 0xFFFF) +
+                                   test::element(0x00041430, "CS", "PATIENT")};
+  for (const std::string& file : files) {
+    records.push_back(test::number16(0x00041410, inUse) + test::element(0x00041430, "CS", "IMAGE") +
+                      test::element(0x00041500, "CS", file));
+  }
+  return test::part10(test::kExplicitVr, test::sequence(0x00041220, records));
+}
+
+TEST(Dicom, FilesThatADicomdirListsAndAreNotThereAreToldOf) {
+  TestFolder folder;
+  const Volume v = sample(3);
+  writeDicomSeries(v, folder / "disc");
+  const auto warnings = [&](const fs::path& path) {
+    const auto scan = importScan({.path = path});
+    EXPECT_TRUE(scan) << sentence(scan.error());
+    const auto list = listSeries(path);
+    EXPECT_TRUE(list);
+    EXPECT_EQ(list->warnings, scan->warnings);
+    return scan->warnings;
+  };
+  const fs::path index = folder / "disc/DICOMDIR";
+  // In capitals and with a version, as discs show them.
+  test::writeBytes(index, directoryOf({"IMAGE00000", "IMAGE00611;1", ".\\IMAGE01222"}));
+  EXPECT_TRUE(warnings(index).empty());
+  test::writeBytes(index, directoryOf({"GONE"}, 0));  // No more in use.
+  EXPECT_TRUE(warnings(index).empty());
+  const std::string incomplete =
+      "The DICOMDIR lists 3 files, and 2 of them are not there or cannot be read: the scan may be "
+      "incomplete.";
+  test::writeBytes(index, directoryOf({"IMAGE00000", "DEEP\\IMAGE00611", "..\\GONE"}));
+  EXPECT_EQ(warnings(index), std::vector<std::string>{incomplete});
+  EXPECT_EQ(warnings(folder / "disc"), std::vector<std::string>{incomplete});
+  EXPECT_EQ(warnings(folder.path()), std::vector<std::string>{incomplete});
+  std::vector<std::pair<std::string, std::string>> members;
+  for (const auto& file : fs::directory_iterator(folder / "disc")) {
+    members.emplace_back("disc/" + file.path().filename().string(), test::readBytes(file.path()));
+  }
+  test::writeArchive(folder / "disc.zip", "zip", members);
+  EXPECT_EQ(warnings(folder / "disc.zip"), std::vector<std::string>{incomplete});
+  test::writeBytes(index, directoryOf({"IMAGE00000", "IMAGE00611"}).substr(0, 300));
+  EXPECT_EQ(warnings(index),
+            std::vector<std::string>{"The DICOMDIR cannot be read to its end: whether all images "
+                                     "are there is not known."});
+}
+
 TEST(Dicom, NamesAreShownButNotKept) {
   TestFolder folder;
   writeDicomSeries(sample(2), folder.path(),

@@ -474,6 +474,21 @@ TEST_F(Hostile, DirectoryRecordWithAZeroByteInItsKind) {
   EXPECT_NE(refusal(part10(kExplicitVr, sequence(0x00041220, {record, record}) + d.dataset())), "");
 }
 
+TEST_F(Hostile, DirectoriesOfManyAndDeepRecords) {
+  write(image().file(), "IMAGE");
+  const std::string deep = repeated(elementHead(0x00041220, "SQ", kUndefinedLength) +
+                                        test::tagBytes(0xFFFEE000) + little(kUndefinedLength, 4),
+                                    100'000);
+  const std::vector<std::string> many(
+      50'000, element(0x00041430, "CS", "IMAGE") + element(0x00041500, "CS", "..\\..\\IMAGE"));
+  const std::string long_ = element(0x00041500, "UT", std::string(1'000'000, 'x'));
+  for (const std::string& records : {deep, sequence(0x00041220, many),
+                                     sequence(0x00041220, std::vector<std::string>(20, long_))}) {
+    write(part10(kExplicitVr, records), "DICOMDIR");
+    EXPECT_EQ(refusalOf(folder.path()), "accepted");
+  }
+}
+
 TEST_F(Hostile, RepairDoesNotInventAVolume) {
   for (int k = 0; k < 4; ++k) {
     DicomBytes d = image();

@@ -450,6 +450,7 @@ class Row:
     def series(self, path=None):
         done, told, _ = self.run("series", path or self.path)
         self.expect(done and done.returncode in (0, 3), f"series ended with {done}")
+        self.expect(done and b"DICOMDIR" not in done.stderr, "series misses files of the DICOMDIR")
         return told
 
     def refuse(self, *more, path=None):
