@@ -17,8 +17,7 @@ namespace {
 
 constexpr std::uint32_t kMaxFrames = 100'000;
 constexpr std::uint32_t kMaxSide = 65'535;  // Rows and Columns are of sixteen bits.
-// What a lossy codec may reach on an empty slice with room to spare. A header that claims more is
-// wrong, and decoding would first ask for the memory.
+// Native pixels are counted in missingPixels(); this only tells nonsense from a file cut short.
 constexpr std::uint64_t kMaxInflation = 10'000;
 
 std::uint32_t whole(DcmItem& item, const DcmTagKey& tag, std::uint32_t otherwise) {
@@ -111,29 +110,31 @@ bool isNative(const std::string& uid) {
   return uid == "1.2.840.10008.1.2" || uid == "1.2.840.10008.1.2.1" || uid == "1.2.840.10008.1.2.2";
 }
 
-/// Pixels that a byte of the file can become at most. Native ones that are missing are looked for
-/// in isCutShort().
+/// Pixels that a byte of the file can become at most.
 std::uint64_t maxInflation(const std::string& uid) {
   if (uid == "1.2.840.10008.1.2.1.99") return 1100;  // deflate: 1032 to one
   if (uid == "1.2.840.10008.1.2.5") return 64;       // RLE: 128 bytes from two
   // Huffman-coded JPEG: two bits or more for each block of 64.
   if (uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70") return 256;
-  return kMaxInflation;
+  return isNative(uid) ? kMaxInflation : kMaxPixelsPerByte;
 }
 
 DicomProblem problemOfSize(const DicomFile& file, std::uint32_t frames) {
   const std::uint64_t slice = std::uint64_t{file.rows} * file.columns;
-  const bool fits = file.rows <= kMaxSide && file.columns <= kMaxSide &&
-                    slice <= kMaxVoxels / frames &&
-                    slice * frames <= file.bytes * maxInflation(file.transferSyntax);
-  if (fits) return {};
+  const std::uint64_t perByte = maxInflation(file.transferSyntax);
+  const bool possible =
+      file.rows <= kMaxSide && file.columns <= kMaxSide && slice <= kMaxVoxels / frames;
+  if (possible && slice * frames <= std::max(file.bytes * perByte,
+                                             perByte == kMaxPixelsPerByte ? kFreePixels : 0)) {
+    return {};
+  }
   const std::string size = std::to_string(file.columns) + " x " + std::to_string(file.rows) +
                            " pixels, " + std::to_string(frames) +
                            (frames == 1 ? " frame" : " frames");
   return {.reason = "it states an image of an impossible size (" + size + ")",
           .field = "Columns, Rows, NumberOfFrames",
           .found = size + " in " + std::to_string(file.bytes) + " bytes",
-          .expected = "no more pixels than the file can hold"};
+          .expected = "at most " + std::to_string(perByte) + " pixels a byte, and 2^31 in all"};
 }
 
 /// Native pixels must be there in full, and no more of them stated than there is; compressed ones

@@ -64,6 +64,11 @@ struct DicomFile {
 /// The reason of a file that should hold an image but ends early.
 inline constexpr const char* kDamagedFile = "it is damaged or cut short";
 
+/// JPEG-LS and JPEG 2000 know no least size of an empty image, and decoders ask for memory by the
+/// stated size. Images of anatomy have up to 30 pixels a byte; so many are accepted, and an empty
+/// image of 4096 x 4096 whatever its bytes.
+inline constexpr std::uint64_t kMaxPixelsPerByte = 256, kFreePixels = std::uint64_t{1} << 24U;
+
 /// Whether a CT's header says that its numbers are other than Hounsfield units: another unit, or a
 /// map of perfusion. Most headers of plain CT say nothing.
 [[nodiscard]] bool isOtherThanHounsfield(const DicomFile& file, const DicomFrame& frame);

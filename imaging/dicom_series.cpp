@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "imaging/volume.h"
 
@@ -186,16 +187,31 @@ void orderSlices(const std::vector<DicomFile>& files, const Eigen::Vector3d& nor
   }
 }
 
-void judgeShape(DicomStack& stack) {
-  const StackShape& s = stack.shape;
+/// Each file may state a large empty image; all of a stack are not empty.
+DicomProblem problemOfVolume(const std::vector<DicomFile>& files, const DicomStack& stack) {
+  const std::string size = std::to_string(stack.geometry.dims[0]) + " x " +
+                           std::to_string(stack.geometry.dims[1]) + " x " +
+                           std::to_string(stack.geometry.dims[2]);
   if (stack.geometry.voxelCount() > kMaxVoxels) {
-    stack.problem = {"it has more voxels than Palpate holds (2^31)", "Columns, Rows, slices",
-                     std::to_string(stack.geometry.dims[0]) + " x " +
-                         std::to_string(stack.geometry.dims[1]) + " x " +
-                         std::to_string(stack.geometry.dims[2]),
-                     "at most 2^31 voxels"};
-    return;
+    return {"it has more voxels than Palpate holds (2^31)", "Columns, Rows, slices", size,
+            "at most 2^31 voxels"};
   }
+  std::set<std::size_t> members;
+  for (const FrameRef& ref : stack.slices) members.insert(ref.file);
+  std::uint64_t bytes = 0;
+  for (const std::size_t member : members) bytes += files[member].bytes;
+  if (stack.geometry.voxelCount() <= std::max(4 * kFreePixels, bytes * kMaxPixelsPerByte)) {
+    return {};
+  }
+  return {"its files are far too small for the images that they state", "Columns, Rows, slices",
+          size + " in " + std::to_string(bytes) + " bytes",
+          "at most " + std::to_string(kMaxPixelsPerByte) + " voxels a byte"};
+}
+
+void judgeShape(const std::vector<DicomFile>& files, DicomStack& stack) {
+  const StackShape& s = stack.shape;
+  stack.problem = problemOfVolume(files, stack);
+  if (!stack.problem.empty()) return;
   if (s.minGap_mm < kSamePlace_mm && stack.slices.size() > 1) {
     stack.problem = {"several of its images share one plane at different places",
                      "ImagePositionPatient", "two images " + millimetres(s.minGap_mm) + " apart",
@@ -257,7 +273,7 @@ DicomStack makeStack(const std::vector<DicomFile>& files, const Group& group) {
   g.spacing = Eigen::Vector3d(first.spacing_mm.x(), first.spacing_mm.y(), thickness) * 1e-3;
   g.X_PV.linear() = axes;
   g.X_PV.translation() = positions.front() * 1e-3;
-  judgeShape(stack);
+  judgeShape(files, stack);
   return stack;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "imaging/code_stream_size.h"
 #include "imaging/import.h"
 #include "tests/imaging/demo_files.h"
 #include "tests/imaging/dicom_bytes.h"
@@ -300,6 +301,54 @@ TEST_F(Hostile, JpegStreamThatIsHuge) {
     EXPECT_EQ(refusal(file),
               notDecoded("a code stream is damaged, or not of the stated 20 x 14 pixels"));
   }
+}
+
+TEST_F(Hostile, LargerImagesThanTheirBytesCanHold) {
+  for (const char* syntax : {test::kJpegLs, test::kJpeg2000}) {
+    DicomBytes d;
+    d.rows = d.columns = 4097;
+    d.pixels = encapsulated({std::string(20'000, '\xFF')});
+    const fs::path file = write(d.file(syntax));
+    EXPECT_EQ(refusalOf(file),
+              noVolume("it states an image of an impossible size (4097 x 4097 pixels, 1 frame)"));
+    const Error error = importScan({.path = file}).error();
+    EXPECT_EQ(error.field, "Columns, Rows, NumberOfFrames");
+    EXPECT_EQ(error.found,
+              "4097 x 4097 pixels, 1 frame in " + std::to_string(fs::file_size(file)) + " bytes");
+    EXPECT_EQ(error.expected, "at most 256 pixels a byte, and 2^31 in all");
+  }
+}
+
+/// Slices of nothing but zeros.
+Volume emptyVolume(std::int32_t side, std::int32_t slices) {
+  Volume v;
+  v.geometry.dims = {side, side, slices};
+  v.geometry.spacing = Eigen::Vector3d::Constant(1e-3);
+  v.int16.resize(v.geometry.voxelCount());
+  return v;
+}
+
+TEST_F(Hostile, AnEmptySliceIsReadAndAVolumeOfThemIsNot) {
+  test::writeDicomSeries(emptyVolume(1024, 1), folder / "one", {.transferSyntax = test::kJpegLs});
+  const fs::path slice = fs::directory_iterator(folder / "one")->path();
+  EXPECT_GT(1024 * 1024 / fs::file_size(slice), 256U) << "more than a stack may have";
+  EXPECT_EQ(refusalOf(slice), "accepted");
+  test::writeDicomSeries(emptyVolume(1024, 65), folder / "all", {.transferSyntax = test::kJpegLs});
+  EXPECT_EQ(refusalOf(folder / "all"),
+            noVolume("its files are far too small for the images that they state"));
+}
+
+TEST_F(Hostile, JpegOfThousandsOfScans) {
+  const std::string scan("\xFF\xDA\x00\x08\x01\x01\x00\x00\x3F\x00\x12", 11);
+  const std::string head("\xFF\xD8\xFF\xC2\x00\x0B\x08\x00\x0E\x00\x14\x01\x01\x11\x00", 15);
+  const auto isOfSize = [&](std::size_t scans) {
+    const std::string stream = head + repeated(scan, scans);
+    return jpegIsOfSize({reinterpret_cast<const std::uint8_t*>(stream.data()), stream.size()}, 20,
+                        14);
+  };
+  EXPECT_TRUE(isOfSize(10));
+  EXPECT_TRUE(isOfSize(1000));
+  EXPECT_FALSE(isOfSize(1001));
 }
 
 TEST_F(Hostile, ImpossibleNumbersOfFrames) {
