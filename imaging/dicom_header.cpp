@@ -9,6 +9,7 @@
 #include "imaging/dicom_frames.h"
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
+#include "imaging/transfer_syntax.h"
 #include "imaging/volume.h"
 
 namespace palpate {
@@ -17,8 +18,6 @@ namespace {
 
 constexpr std::uint32_t kMaxFrames = 100'000;
 constexpr std::uint32_t kMaxSide = 65'535;  // Rows and Columns are of sixteen bits.
-// Native pixels are counted in missingPixels(); this only tells nonsense from a file cut short.
-constexpr std::uint64_t kMaxInflation = 10'000;
 
 std::uint32_t whole(DcmItem& item, const DcmTagKey& tag, std::uint32_t otherwise) {
   double value = 0.0;
@@ -106,41 +105,51 @@ std::uint32_t frameCount(DcmItem& dataset) {
   return std::max(static_cast<std::uint32_t>(count), 1U);
 }
 
-bool isNative(const std::string& uid) {
-  return uid == "1.2.840.10008.1.2" || uid == "1.2.840.10008.1.2.1" || uid == "1.2.840.10008.1.2.2";
-}
+/// Pixels that a file of so many bytes may state.
+struct PixelBound {
+  std::uint64_t perByte = 0;
+  std::uint64_t free = 0;  ///< Whatever the bytes.
+};
 
-/// Pixels that a byte of the file can become at most.
-std::uint64_t maxInflation(const std::string& uid) {
-  if (uid == "1.2.840.10008.1.2.1.99") return 1100;  // deflate: 1032 to one
-  if (uid == "1.2.840.10008.1.2.5") return 64;       // RLE: 128 bytes from two
-  // Huffman-coded JPEG: two bits or more for each block of 64.
-  if (uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70") return 256;
-  return isNative(uid) ? kMaxInflation : kMaxPixelsPerByte;
+PixelBound boundOf(PixelCoding coding) {
+  switch (coding) {
+    case PixelCoding::Native:
+      // Counted in missingPixels(); this only tells nonsense from a file that is cut short.
+      return {10'000};
+    case PixelCoding::Deflated:
+      return {1100};  // 1032 to one
+    case PixelCoding::Rle:
+      return {64};  // 128 bytes from two
+    case PixelCoding::Jpeg:
+      return {256};  // Huffman-coded: two bits or more for each block of 64.
+    default:
+      return {kMaxPixelsPerByte, kFreePixels};
+  }
 }
 
 DicomProblem problemOfSize(const DicomFile& file, std::uint32_t frames) {
   const std::uint64_t slice = std::uint64_t{file.rows} * file.columns;
-  const std::uint64_t perByte = maxInflation(file.transferSyntax);
+  const PixelBound bound = boundOf(transferSyntaxOf(file.transferSyntax).coding);
   const bool possible =
       file.rows <= kMaxSide && file.columns <= kMaxSide && slice <= kMaxVoxels / frames;
-  if (possible && slice * frames <= std::max(file.bytes * perByte,
-                                             perByte == kMaxPixelsPerByte ? kFreePixels : 0)) {
+  if (possible && slice * frames <= std::max(file.bytes * bound.perByte, bound.free)) {
     return {};
   }
   const std::string size = std::to_string(file.columns) + " x " + std::to_string(file.rows) +
                            " pixels, " + std::to_string(frames) +
                            (frames == 1 ? " frame" : " frames");
-  return {.reason = "it states an image of an impossible size (" + size + ")",
-          .field = "Columns, Rows, NumberOfFrames",
-          .found = size + " in " + std::to_string(file.bytes) + " bytes",
-          .expected = "at most " + std::to_string(perByte) + " pixels a byte, and 2^31 in all"};
+  return {
+      .reason = "it states an image of an impossible size (" + size + ")",
+      .field = "Columns, Rows, NumberOfFrames",
+      .found = size + " in " + std::to_string(file.bytes) + " bytes",
+      .expected = "at most " + std::to_string(bound.perByte) + " pixels a byte, and 2^31 in all"};
 }
 
 /// Native pixels must be there in full, and no more of them stated than there is; compressed ones
 /// are found short when they are decoded. `end`: behind the tag and length of the pixels.
 DicomProblem missingPixels(const DicomFile& file, std::uint64_t end) {
-  if (!isNative(file.transferSyntax)) return {};
+  const TransferSyntax syntax = transferSyntaxOf(file.transferSyntax);
+  if (syntax.coding != PixelCoding::Native) return {};
   const std::uint64_t bits =
       std::uint64_t{file.rows} * file.columns * file.frames.size() * file.bitsAllocated;
   const std::uint64_t left = file.bytes - std::min<std::uint64_t>(end, file.bytes);
@@ -151,7 +160,7 @@ DicomProblem missingPixels(const DicomFile& file, std::uint64_t end) {
                         .expected = std::to_string(wanted) + " bytes"};
   };
   if (bits / 8 > left) return problem(bits / 8);
-  if (end < 4 || file.transferSyntax == "1.2.840.10008.1.2.2") return {};
+  if (end < 4 || syntax.bigEndian) return {};
   std::array<unsigned char, 4> length{};
   std::ifstream in(file.path, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(end - length.size()));
@@ -159,14 +168,6 @@ DicomProblem missingPixels(const DicomFile& file, std::uint64_t end) {
   const std::uint64_t stated =
       length[0] | length[1] << 8U | length[2] << 16U | static_cast<std::uint64_t>(length[3]) << 24U;
   return stated > left ? problem(stated) : DicomProblem{};
-}
-
-bool lossySyntax(const std::string& uid) {
-  // JPEG baseline, extended, spectral, progressive; JPEG-LS near-lossless. JPEG 2000 (.91) may be
-  // either: its decoder looks at the stream.
-  return uid == "1.2.840.10008.1.2.4.50" || uid == "1.2.840.10008.1.2.4.51" ||
-         uid == "1.2.840.10008.1.2.4.53" || uid == "1.2.840.10008.1.2.4.55" ||
-         uid == "1.2.840.10008.1.2.4.81";
 }
 
 /// The first two values say whether it is original and of the patient.
@@ -208,14 +209,6 @@ std::string dicomNumbers(std::initializer_list<double> values) {
     text += number;
   }
   return text;
-}
-
-std::string transferSyntaxName(const std::string& uid) {
-  const DcmXfer syntax(uid.c_str());
-  if (syntax.getXfer() != EXS_Unknown) return syntax.getXferName();
-  // A damaged file may hold anything there, a name too.
-  const bool isUid = uid.size() <= 64 && uid.find_first_not_of("0123456789.") == std::string::npos;
-  return isUid ? uid : "unknown transfer syntax";
 }
 
 bool isOtherThanHounsfield(const DicomFile& file, const DicomFrame& frame) {
@@ -280,8 +273,8 @@ std::optional<DicomFile> readDicomHeader(const fs::path& path) {
   file.imageKind = kindOfImage(*dataset);
   file.localizer = imageType.find("LOCALIZER") != std::string::npos;
   file.mosaic = imageType.find("MOSAIC") != std::string::npos;
-  file.lossy =
-      lossySyntax(file.transferSyntax) || dicomText(*dataset, DCM_LossyImageCompression) == "01";
+  file.lossy = transferSyntaxOf(file.transferSyntax).lossy ||
+               dicomText(*dataset, DCM_LossyImageCompression) == "01";
   DcmItem* lut = nullptr;
   file.modalityLut = dataset->findAndGetSequenceItem(DCM_ModalityLUTSequence, lut, 0).good();
   file.problem = problemOf(*dataset, file);

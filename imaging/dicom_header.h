@@ -79,7 +79,5 @@ inline constexpr std::uint64_t kMaxPixelsPerByte = 256, kFreePixels = std::uint6
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path& file);
 /// As DICOM writes several numbers: "0.5\0.5".
 [[nodiscard]] std::string dicomNumbers(std::initializer_list<double> values);
-/// "JPEG 2000 (lossless only)"; the UID itself when unknown, if it is one.
-[[nodiscard]] std::string transferSyntaxName(const std::string& uid);
 
 }  // namespace palpate
