@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "imaging/dicom_scan.h"
+#include "imaging/dicom_series.h"
 #include "tests/imaging/demo_files.h"
 #include "tests/imaging/dicom_bytes.h"
 #include "tests/imaging/dicom_writer.h"
