@@ -9,10 +9,21 @@
 namespace palpate {
 namespace {
 
+/// For a message, so without the patient's name.
+std::string nameOf(const std::vector<DicomFile>& files, std::size_t file) {
+  return holdsName(files[file].name, files[file]) ? "file " + std::to_string(file + 1)
+                                                  : files[file].name;
+}
+
 std::string nameOf(const std::vector<DicomFile>& files, const FrameRef& ref) {
-  const DicomFile& file = files[ref.file];
-  return file.frames.size() == 1 ? file.name
-                                 : file.name + " frame " + std::to_string(ref.frame + 1);
+  const bool one = files[ref.file].frames.size() == 1;
+  return nameOf(files, ref.file) + (one ? "" : " frame " + std::to_string(ref.frame + 1));
+}
+
+std::string namesOf(const std::vector<DicomFile>& files, const FrameRef& a, const FrameRef& b) {
+  const std::string first = nameOf(files, a);
+  const std::string second = nameOf(files, b);
+  return first == second ? "two files called " + first : first + " and " + second;
 }
 
 }  // namespace
@@ -38,7 +49,7 @@ void settleCopies(const std::vector<DicomFile>& files, DicomStack& stack) {
     here.insert(digest(slice));
     if (!here.insert(digest(image)).second) continue;
     ++more;
-    if (names.empty()) names = nameOf(files, slice) + " and " + nameOf(files, image);
+    if (names.empty()) names = namesOf(files, slice, image);
   }
   if (more > 0) {
     return refuse({"different images lie at the same place: " + names + " (" +
@@ -58,11 +69,11 @@ void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) 
   const auto damaged = std::count_if(files.begin(), files.end(), isDamaged);
   if (damaged == 0) return;
   const auto first = std::find_if(files.begin(), files.end(), isDamaged);
-  stack.problem = {
-      .reason = std::to_string(damaged) + " of its files are damaged or cut short",
-      .field = first->problem.field,
-      .found = first->name + (first->problem.found.empty() ? "" : ": " + first->problem.found),
-      .expected = "whole files"};
+  stack.problem = {.reason = std::to_string(damaged) + " of its files are damaged or cut short",
+                   .field = first->problem.field,
+                   .found = nameOf(files, static_cast<std::size_t>(first - files.begin())) +
+                            (first->problem.found.empty() ? "" : ": " + first->problem.found),
+                   .expected = "whole files"};
   stack.needsRepair = false;
 }
 

@@ -183,6 +183,12 @@ std::string kindOfImage(DcmItem& dataset) {
   return kind;
 }
 
+std::string lowered(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
 /// Why the file's frames cannot be told; empty when they can.
 DicomProblem readFrames(DcmItem& dataset, DicomFile& file) {
   const std::uint32_t frames = frameCount(dataset);
@@ -199,6 +205,20 @@ DicomProblem readFrames(DcmItem& dataset, DicomFile& file) {
 }
 
 }  // namespace
+
+bool holdsName(const std::string& text, const DicomFile& file) {
+  const std::string here = lowered(text);
+  std::string part;
+  for (const char c : lowered(file.patientName + "^" + file.patientId) + "^") {
+    if (c != '^' && c != '=' && c != ' ') {
+      part.push_back(c);
+      continue;
+    }
+    if (part.size() >= 3 && here.find(part) != std::string::npos) return true;
+    part.clear();
+  }
+  return false;
+}
 
 std::string dicomNumbers(std::initializer_list<double> values) {
   std::string text;

@@ -77,6 +77,8 @@ inline constexpr std::uint64_t kMaxPixelsPerByte = 256, kFreePixels = std::uint6
 /// Empty when the file is not a DICOM image object at all (text, DICOMDIR, damaged beyond reading).
 /// Any thread.
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path& file);
+/// Whether a text has a part of the patient's name or identifier in it, of three letters or more.
+[[nodiscard]] bool holdsName(const std::string& text, const DicomFile& file);
 /// As DICOM writes several numbers: "0.5\0.5".
 [[nodiscard]] std::string dicomNumbers(std::initializer_list<double> values);
 

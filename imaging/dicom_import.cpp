@@ -1,7 +1,6 @@
 #include "imaging/dicom_import.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 
 #include "imaging/dicom_choice.h"
@@ -12,26 +11,9 @@
 namespace palpate {
 namespace {
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// The description goes into the case, so it must not carry a part of the name or the identifier.
 std::string withoutNames(const DicomFile& file) {
-  const std::string text = lowered(file.description);
-  const std::string all = lowered(file.patientName + "^" + file.patientId);
-  std::string part;
-  for (const char c : all + "^") {
-    if (c != '^' && c != '=' && c != ' ') {
-      part.push_back(c);
-      continue;
-    }
-    if (part.size() >= 3 && text.find(part) != std::string::npos) return {};
-    part.clear();
-  }
-  return file.description;
+  return holdsName(file.description, file) ? std::string() : file.description;
 }
 
 Result<void> refuseUnrepaired(const DicomStack& stack, const ImportRequest& request) {

@@ -283,6 +283,20 @@ TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {
       << "the copy counts once";
 }
 
+TEST(Dicom, ConflictsAreNamedWithoutThePatient) {
+  TestFolder folder;
+  Volume v = sample(2);
+  const DicomWriterOptions first{.patientName = "Quince^Medlar", .filePrefix = "MEDLAR"};
+  writeDicomSeries(v, folder / "a", first);
+  v.int16[0] = static_cast<std::int16_t>(v.int16[0] ^ 1);
+  writeDicomSeries(v, folder / "b", {.patientName = "Quince^Medlar", .slices = {0}});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found, "the same in file 1 and image00000");
+  fs::remove_all(folder / "a");
+  writeDicomSeries(sample(2), folder / "a", {.patientName = "Quince^Medlar"});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found,
+            "the same in two files called image00000");
+}
+
 TEST(Dicom, ConflictsInAnArchiveAreNamedAsInTheArchive) {
   TestFolder images;
   Volume v = sample(2);
