@@ -16,6 +16,10 @@
 #include "tests/imaging/jpeg2000_writer.h"
 #include "tests/imaging/volume_samples.h"
 
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace palpate {
 namespace {
 
@@ -515,8 +519,11 @@ TEST_F(Hostile, TableOfImpossibleNumbers) {
   EXPECT_EQ(refusal(d.file()), notDecoded("its modality table cannot be read"));
 }
 
-/// DCMTK 3.6.7 throws there.
+/// DCMTK 3.6.7 throws there, and loses what it read so far: a leak of its own, of that one file.
 TEST_F(Hostile, DirectoryRecordWithAZeroByteInItsKind) {
+#if defined(__SANITIZE_ADDRESS__)
+  const __lsan::ScopedDisabler leaksInDcmtk;
+#endif
   DicomBytes d = image();
   const std::string record =
       element(0x00041430, "CS", std::string("PATIENT ") + std::string(120, '\0') + "\xFF");
