@@ -1,6 +1,7 @@
 #include "imaging/dicom_copies.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 
@@ -9,10 +10,13 @@
 namespace palpate {
 namespace {
 
-/// For a message, so without the patient's name.
+/// For a message: without the patient's name, and without what a terminal would obey.
 std::string nameOf(const std::vector<DicomFile>& files, std::size_t file) {
-  return holdsName(files[file].name, files[file]) ? "file " + std::to_string(file + 1)
-                                                  : files[file].name;
+  if (holdsName(files[file].name, files[file])) return "file " + std::to_string(file + 1);
+  std::string name = files[file].name;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return name;
 }
 
 std::string nameOf(const std::vector<DicomFile>& files, const FrameRef& ref) {

@@ -62,10 +62,16 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
   }
   if (scan.volume.modality != first.modality) {
     const std::string& unit = first.frames.front().rescaleType;
-    scan.warnings.push_back(
-        "The values are not Hounsfield units, though the header calls the image CT (its kind: " +
-        first.imageKind + (unit.empty() ? "" : ", unit: " + unit) +
-        "). It is taken as an image of another modality (OT); no CT preset fits it.");
+    std::string why;
+    if (!first.imageKind.empty()) why = "image type " + first.imageKind;
+    if (!unit.empty()) {
+      if (!why.empty()) why += ", ";
+      why += "unit " + (unit == "US" ? "unspecified" : unit);
+    }
+    scan.warnings.push_back("The header says CT, but not that the values are Hounsfield units (" +
+                            why +
+                            "). It is taken as an image of another modality (OT); no CT preset "
+                            "fits it.");
   }
   if (first.mosaic) {
     scan.warnings.emplace_back(

@@ -292,6 +292,11 @@ TEST(Dicom, ConflictsAreNamedWithoutThePatient) {
   writeDicomSeries(v, folder / "b", {.patientName = "Quince^Medlar", .slices = {0}});
   EXPECT_EQ(importScan({.path = folder.path()}).error().found, "the same in file 1 and image00000");
   fs::remove_all(folder / "a");
+  writeDicomSeries(sample(2), folder / "a",
+                   {.patientName = "Quince^Medlar", .filePrefix = "A\x1B[2J"});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found,
+            "the same in A?[2J00000 and image00000");
+  fs::remove_all(folder / "a");
   writeDicomSeries(sample(2), folder / "a", {.patientName = "Quince^Medlar"});
   EXPECT_EQ(importScan({.path = folder.path()}).error().found,
             "the same in two files called image00000");
@@ -444,10 +449,10 @@ TEST(Dicom, AMapOfPerfusionIsNotTakenAsCt) {
   ASSERT_TRUE(map) << sentence(map.error());
   EXPECT_EQ(map->volume.modality, "OT");
   ASSERT_EQ(map->warnings.size(), 1U);
-  EXPECT_EQ(map->warnings[0],
-            "The values are not Hounsfield units, though the header calls the image CT (its kind: "
-            "PERFUSION RCBF). It is taken as an image of another modality (OT); no CT preset fits "
-            "it.");
+  EXPECT_EQ(
+      map->warnings[0],
+      "The header says CT, but not that the values are Hounsfield units (image type PERFUSION "
+      "RCBF). It is taken as an image of another modality (OT); no CT preset fits it.");
   EXPECT_EQ(listSeries(folder / "map")->series[0].modality, "OT");
   // The unit alone says it too.
   test::DicomBytes bytes;
@@ -458,6 +463,10 @@ TEST(Dicom, AMapOfPerfusionIsNotTakenAsCt) {
     test::writeBytes(folder / "one", bytes.file());
     EXPECT_EQ(importScan({.path = folder / "one"})->volume.modality, modality) << unit;
   }
+  const auto warnings = importScan({.path = folder / "one"})->warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
+    return w.find("Hounsfield units (unit MGML)") != std::string::npos;
+  }));
 }
 
 TEST(Dicom, OneSliceWarns) {

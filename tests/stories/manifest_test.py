@@ -119,7 +119,7 @@ def expectations():
         "difficult/enhanced/ect_2frames_jpeg51_fragmented_no_bot.dcm": {
             # A map of blood flow that the header calls CT.
             "check": check_enhanced, "decoded": True, "lossy": True, "modality": "OT",
-            "warning_about": "not hounsfield units"},
+            "warning_about": "hounsfield units"},
         "difficult/enhanced/mr_philips_8frames": {
             "check": check_enhanced, "tool": "vtk_dicom", "modality": "MR"},
         # Its functional groups are gone: neither spacing nor position.
