@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "ui/fonts.h"
+#include "ui/key_queue.h"
 #include "ui/picture.h"
 #include "ui/theme.h"
 #include "ui/ui_script.h"
@@ -61,7 +62,9 @@ class Window {
  private:
   Window() = default;
   static void onKey(GLFWwindow* window, int key, int scancode, int action, int mods);
+  static void onCharacter(GLFWwindow* window, unsigned int character);
   static void onDrop(GLFWwindow* window, int count, const char** paths);
+  void keyChanged(int key, bool down);
   void applyInjected();
 
   GLFWwindow* window_ = nullptr;
@@ -70,6 +73,7 @@ class Window {
   float scale_ = 1.0F;
   int width_ = 0, height_ = 0;
   bool software_ = false, imgui_ = false, scripted_ = false;
+  KeyQueue typed_;  ///< For Dear ImGui; keys_ and held_ know at once.
   std::deque<std::string> keys_;
   std::map<std::string, bool> held_;
   std::deque<std::filesystem::path> dropped_;
