@@ -116,6 +116,7 @@ Result<std::unique_ptr<Window>> Window::open(const WindowOptions& options) {
   // In place of the backend's own: what is typed reaches it through the queue.
   glfwSetKeyCallback(self->window_, &Window::onKey);
   glfwSetCharCallback(self->window_, &Window::onCharacter);
+  self->fontFolder_ = options.fonts;
   auto fonts = loadFonts(options.fonts, self->scale_);
   if (!fonts) return fail(fonts.error());
   self->fonts_ = *fonts;
@@ -158,13 +159,29 @@ void Window::onDrop(GLFWwindow* window, int count, const char** paths) {
   for (int i = 0; i < count; ++i) self->dropped_.emplace_back(paths[i]);
 }
 
+void Window::needCharacters(const std::string& text) {
+  fontsOutdated_ = rare_.add(text) || fontsOutdated_;
+}
+
+void Window::renewFonts() {
+  if (!std::exchange(fontsOutdated_, false)) return;
+  // Only files that were there at the start can refuse; then the window goes on with what it has.
+  const auto fonts = loadFonts(fontFolder_, scale_, rare_);
+  if (!fonts) return;
+  fonts_ = *fonts;
+  ImGui::GetIO().FontDefault = fonts_.body;
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
 void Window::beginFrame(double timeout) {
-  if (timeout > 0.0 && typed_.empty()) {
+  if (timeout > 0.0 && typed_.empty() && !fontsOutdated_) {
     glfwWaitEventsTimeout(timeout);
   } else {
     glfwPollEvents();
   }
   glfwGetFramebufferSize(window_, &width_, &height_);
+  renewFonts();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   applyInjected();

@@ -46,6 +46,9 @@ class Window {
   [[nodiscard]] std::deque<std::string> takeKeys();
   [[nodiscard]] bool keyHeld(const std::string& name) const;
 
+  /// From the next frame on the fonts hold the characters of this text, where one has them.
+  void needCharacters(const std::string& text);
+
   void setTheme(bool light);
   [[nodiscard]] const Theme& theme() const noexcept { return theme_; }
   [[nodiscard]] const Fonts& fonts() const noexcept { return fonts_; }
@@ -66,10 +69,14 @@ class Window {
   static void onDrop(GLFWwindow* window, int count, const char** paths);
   void keyChanged(int key, bool down);
   void applyInjected();
+  void renewFonts();
 
   GLFWwindow* window_ = nullptr;
   Theme theme_;
   Fonts fonts_;
+  RareCharacters rare_;
+  std::filesystem::path fontFolder_;
+  bool fontsOutdated_ = false;
   float scale_ = 1.0F;
   int width_ = 0, height_ = 0;
   bool software_ = false, imgui_ = false, scripted_ = false;

@@ -270,6 +270,17 @@ TEST_F(InteractionTest, AReturnShorterThanAFrameImportsThePath) {
   }
 }
 
+TEST_F(InteractionTest, ANameInAnotherScriptIsDrawnFromTheNextFrameOn) {
+  shown_.model.task = Task::Library;
+  SeriesRow series;
+  series.uid = "1";
+  series.study = "\xe5\xb1\xb1\xe7\x94\xb0";
+  shown_.model.library.series = {series};
+  (void)play("wait 2");
+  EXPECT_NE(window_->fonts().body->FindGlyphNoFallback(0x5c71), nullptr);
+  EXPECT_NE(window_->fonts().body->FindGlyphNoFallback('a'), nullptr);
+}
+
 TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {
   (void)play("key v\nwait 2");
   Picture picture;
