@@ -4,6 +4,7 @@
 #include "app/commands.h"
 #include "app/grid_report.h"
 #include "app/text_table.h"
+#include "core/base/counted.h"
 #include "imaging/import.h"
 
 namespace palpate {
@@ -70,7 +71,8 @@ Result<CommandOutput> runSeries(const SeriesOptions& options, const CommandConte
                series.description, series.uid});
   }
   output.json["skipped_files"] = list->skippedFiles;
-  output.text = table.text() + std::to_string(list->skippedFiles) + " other files skipped\n";
+  output.text =
+      table.text() + counted(list->skippedFiles, "other file", "other files") + " skipped\n";
   return output;
 }
 

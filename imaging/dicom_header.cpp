@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/base/counted.h"
 #include "imaging/dicom_frames.h"
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
@@ -87,8 +88,7 @@ std::string problemOfSize(const DicomFile& file, std::uint32_t frames) {
                     slice * frames <= file.bytes * maxInflation(file.transferSyntax);
   if (!fits) {
     return "it states an image of an impossible size (" + std::to_string(file.columns) + " x " +
-           std::to_string(file.rows) + " pixels, " + std::to_string(frames) +
-           (frames == 1 ? " frame)" : " frames)");
+           std::to_string(file.rows) + " pixels, " + counted(frames, "frame)", "frames)");
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/counted.h"
 #include "imaging/dicom_scan.h"
 #include "imaging/dicom_series.h"
 #include "imaging/dicom_volume.h"
@@ -55,11 +56,12 @@ void settleDuplicates(const std::vector<DicomFile>& files, DicomStack& stack) {
     if (digests->at({copy.file, copy.frame}) != digests->at({slice.file, slice.frame})) {
       return refuse("different images lie at the same place (" +
                     std::to_string(stack.duplicates.size() + stack.slices.size()) + " images at " +
-                    std::to_string(stack.slices.size()) + " places)");
+                    counted(stack.slices.size(), "place)", "places)"));
     }
   }
-  stack.warnings.push_back(std::to_string(stack.duplicates.size()) +
-                           " identical copies of images were left out.");
+  stack.warnings.push_back(counted(stack.duplicates.size(),
+                                   "identical copy of an image was left out.",
+                                   "identical copies of images were left out."));
 }
 
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {
@@ -68,7 +70,8 @@ void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) 
     return f.seriesUid == series && f.damaged;
   });
   if (damaged == 0) return;
-  stack.reason = std::to_string(damaged) + " of its files are damaged or cut short";
+  stack.reason = counted(static_cast<std::size_t>(damaged), "of its files is damaged or cut short",
+                         "of its files are damaged or cut short");
   stack.needsRepair = false;
 }
 
@@ -166,7 +169,7 @@ Error nothingThere(const fs::path& path, const DicomScan& scan) {
   return inputRefused(scan.skipped == 0 ? "There are no files in there."
                                         : "There are no DICOM images in there.")
       .inFile(path.string())
-      .butFound(std::to_string(scan.skipped) + " other files")
+      .butFound(counted(scan.skipped, "other file", "other files"))
       .wants("the images of a CT or MR study")
       .advise("Choose the folder, disc or archive that holds the study.");
 }
@@ -188,8 +191,7 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
   for (const DicomStack* stack : stacks) {
     list += (list.empty() ? "" : "; ") + stack->uid + " (" +
             files[stack->slices.front().file].modality + ", " +
-            std::to_string(stack->slices.size()) +
-            (stack->slices.size() == 1 ? " slice)" : " slices)");
+            counted(stack->slices.size(), "slice)", "slices)");
   }
   return inputRefused("There are several volumes in there.")
       .inFile(path.string())
@@ -290,8 +292,9 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
                  const DicomFile& first, ImportedScan& scan) {
   scan.warnings.insert(scan.warnings.end(), stack.warnings.begin(), stack.warnings.end());
   if (stacks.size() > 1) {
-    scan.warnings.push_back("Left out: " + std::to_string(stacks.size() - 1) +
-                            " other image stacks (scouts or other series).");
+    scan.warnings.push_back(
+        "Left out: " + counted(stacks.size() - 1, "other image stack", "other image stacks") +
+        " (scouts or other series).");
   }
   if (first.mosaic) {
     scan.warnings.emplace_back(

@@ -213,7 +213,7 @@ TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "1 identical copies of images were left out.");
+  EXPECT_EQ(scan->warnings[0], "1 identical copy of an image was left out.");
   v.int16[2 * 20 * 14] = static_cast<std::int16_t>(v.int16[2 * 20 * 14] ^ 1);
   writeDicomSeries(v, folder.path(), {.slices = {2}, .filePrefix = "other"});
   const auto refused = importScan({.path = folder.path()});
@@ -236,7 +236,7 @@ TEST(Dicom, OtherOrientationInTheSeriesIsLeftOut) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stacks (scouts or other series).");
+  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stack (scouts or other series).");
   const auto list = listSeries(folder.path());
   ASSERT_TRUE(list);
   EXPECT_EQ(list->series.size(), 2U);
