@@ -1,6 +1,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ui/gl_api.h"
 #include "ui/icons.h"
@@ -82,7 +83,8 @@ void drawSeriesDetails(const Painter& paint, const SeriesRow& series, ImVec2 at,
   list->AddText(small, small->FontSize, at, packed(paint.theme.attention), reason.c_str(), nullptr,
                 room);
   const float height = small->CalcTextSizeA(small->FontSize, 1e6F, room, reason.c_str()).y;
-  if (height < 2.5F * small->FontSize) put(2, series.size);
+  const auto lines = static_cast<int>(std::lround(height / small->FontSize));
+  if (lines < 3) put(lines, series.size);
 }
 
 void explainSeries(const Painter& paint, const SeriesRow& series) {
