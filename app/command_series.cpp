@@ -4,6 +4,7 @@
 #include "app/commands.h"
 #include "app/grid_report.h"
 #include "app/text_table.h"
+#include "core/base/counted.h"
 #include "core/base/hexadecimal.h"
 #include "imaging/import.h"
 
@@ -62,7 +63,8 @@ Result<CommandOutput> runSeries(const SeriesOptions& options, const CommandConte
   }
   output.json["skipped_files"] = list->skippedFiles;
   output.warnings = list->warnings;
-  output.text = table.text() + std::to_string(list->skippedFiles) + " other files skipped\n";
+  output.text =
+      table.text() + counted(list->skippedFiles, "other file", "other files") + " skipped\n";
   return output;
 }
 

@@ -344,9 +344,36 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
   }
 }
 
+/// Texts from outside, in whatever script.
+void Workspace::needCharacters(Window& window, const Model& model) const {
+  const auto need = [&window](const std::string& text) { window.needCharacters(text); };
+  need(model.openCase.title);
+  for (const auto& text : model.openCase.warnings) need(text);
+  const LibraryModel& library = model.library;
+  for (const SeriesRow& series : library.series) {
+    for (const std::string* text : {&series.title, &series.study, &series.reason}) need(*text);
+  }
+  for (const RecentCase& recent : library.recent) {
+    need(recent.title);
+    need(recent.detail);
+  }
+  need(library.directory.string());
+  for (const DirectoryRow& entry : library.entries) need(entry.name);
+  for (const LabelRow& label : model.segment.labels) need(label.name);
+  for (const MessageModel& message : model.messages) {
+    for (const std::string* text : {&message.happened, &message.meaning, &message.advice}) {
+      need(*text);
+    }
+  }
+  need(model.job.what);
+  need(library_.path);
+  need(segment_.name);
+}
+
 Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {
   Actions actions;
   items_.clear();
+  needCharacters(window, model);
   readKeys(window, model, actions);
   const auto width = static_cast<float>(window.width());
   const auto height = static_cast<float>(window.height());

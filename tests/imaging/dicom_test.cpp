@@ -333,7 +333,7 @@ TEST(Dicom, OtherOrientationInTheSeriesIsLeftOut) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stacks (scouts or other series).");
+  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stack (scouts or other series).");
   const auto list = listSeries(folder.path());
   ASSERT_TRUE(list);
   EXPECT_EQ(list->series.size(), 2U);

@@ -207,7 +207,7 @@ def expectations():
         DERIVED + "mixed_series/": {"check": check_several, "skipped": 7},
         DERIVED + "big_spacing/": series(),
         DERIVED + "scout_in_series/": series(
-            warnings=["Left out: 1 other image stacks (scouts or other series)."]),
+            warnings=["Left out: 1 other image stack (scouts or other series)."]),
     }
 
 
