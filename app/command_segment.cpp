@@ -1,15 +1,13 @@
 #include <algorithm>
-#include <cmath>
 #include <memory>
-#include <set>
 
 #include "app/command.h"
 #include "app/commands.h"
-#include "app/segment_recipe.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
 #include "imaging/case_folder.h"
-#include "imaging/segmentation.h"
+#include "imaging/segment/apply.h"
+#include "imaging/segment/recipe.h"
 
 namespace palpate {
 namespace {
@@ -19,20 +17,12 @@ namespace fs = std::filesystem;
 /// Label of a threshold without --label.
 constexpr const char* kUnnamedLabel = "selection";
 
-/// Okabe–Ito, for labels that no preset names.
-constexpr std::array<std::array<std::uint8_t, 3>, 7> kLabelColours{{{86, 180, 233},
-                                                                    {230, 159, 0},
-                                                                    {0, 158, 115},
-                                                                    {240, 228, 66},
-                                                                    {0, 114, 178},
-                                                                    {213, 94, 0},
-                                                                    {204, 121, 167}}};
-
 struct SegmentOptions {
   fs::path caseFolder;
   std::string preset;
   std::vector<double> threshold;
   fs::path recipe;
+  std::vector<std::string> steps;
   std::string label;
   bool largest = false;
   double minMm3 = 0.0;
@@ -45,112 +35,73 @@ const Preset* presetNamed(const std::string& name) {
   return it == presets.end() ? nullptr : &*it;
 }
 
-Result<std::vector<SegmentStep>> stepsOf(const SegmentOptions& options) {
-  if (!options.recipe.empty()) {
-    if (!options.label.empty() || options.largest || options.minMm3 > 0.0) {
-      return fail(usageError("--label, --largest and --min-mm3 do not go with --recipe.")
-                      .advise("Write them into the recipe's steps."));
-    }
-    return readSegmentRecipe(options.recipe);
-  }
-  SegmentStep step;
+/// The one step of --preset and --threshold.
+Result<LabelStep> singleStep(const SegmentOptions& options) {
+  tool::Threshold threshold;
+  threshold.largestOnly = options.largest;
+  threshold.minMm3 = options.minMm3;
+  LabelStep step;
   if (options.threshold.size() == 2) {
-    step.threshold = ThresholdRange{options.threshold[0], options.threshold[1]};
-    if (!(step.threshold->low <= step.threshold->high)) {
+    threshold.range = ThresholdRange{options.threshold[0], options.threshold[1]};
+    if (!(threshold.range.low <= threshold.range.high)) {
       return fail(
           usageError("The threshold's low end is above its high end.")
               .inField("--threshold")
-              .butFound(decimal(step.threshold->low, 3) + " to " + decimal(step.threshold->high, 3))
+              .butFound(decimal(threshold.range.low, 3) + " to " + decimal(threshold.range.high, 3))
               .wants("LO <= HI")
               .advise("Swap the two numbers."));
     }
   } else {
     step.preset = options.preset;
   }
+  step.tool = threshold;
   step.label = options.label;
-  step.largest = options.largest;
-  step.minMm3 = options.minMm3;
-  return std::vector<SegmentStep>{step};
+  return step;
 }
 
-/// The row of the label, added with the lowest free value where it is new.
-Result<LabelInfo> rowFor(const std::string& name, const Preset* preset, LabelTable& table) {
-  const auto named = [&](const LabelInfo& row) { return row.name == name; };
-  if (const auto it = std::find_if(table.begin(), table.end(), named); it != table.end()) {
-    return *it;
+Result<std::vector<LabelStep>> stepsOf(const SegmentOptions& options) {
+  const bool many = !options.recipe.empty() || !options.steps.empty();
+  if (many && (!options.label.empty() || options.largest || options.minMm3 > 0.0)) {
+    return fail(usageError("--label, --largest and --min-mm3 do not go with --recipe or --step.")
+                    .advise("Write them into the steps."));
   }
-  std::set<int> used;
-  for (const LabelInfo& row : table) used.insert(row.value);
-  int value = 1;
-  while (used.contains(value)) ++value;
-  if (value > 255) {
-    return fail(inputRefused("The case has no room for another label.")
-                    .inField("label")
-                    .butFound("255 labels")
-                    .wants("at most 255")
-                    .advise("Segment into one of the labels that are there."));
-  }
-  LabelInfo row;
-  row.name = name;
-  row.value = static_cast<std::uint8_t>(value);
-  row.colour = preset != nullptr
-                   ? preset->colour
-                   : kLabelColours[static_cast<std::size_t>(value - 1) % kLabelColours.size()];
-  if (preset != nullptr && !preset->material.empty()) row.material = preset->material;
-  table.push_back(row);
-  return row;
-}
-
-/// A preset lends its colour and material also to a threshold into its label.
-const Preset* presetOfLabel(const std::string& label) {
-  for (const Preset& preset : segmentationPresets()) {
-    if (preset.label == label) return &preset;
-  }
-  return nullptr;
+  if (!options.recipe.empty()) return readRecipe(options.recipe);
+  if (!options.steps.empty()) return readSteps(options.steps);
+  const auto step = singleStep(options);
+  if (!step) return fail(step.error());
+  return std::vector<LabelStep>{*step};
 }
 
 struct Work {
-  const Volume& volume;
-  std::optional<LabelGrid> labels;
-  LabelTable table;
+  Volume volume;
+  LabelState state;
   std::vector<std::string> warnings;
 };
 
-Result<void> applyStep(const SegmentStep& step, Work& work, const Progress& progress) {
-  SegmentRequest request;
-  request.largestOnly = step.largest;
-  request.minMm3 = step.minMm3;
-  const Preset* preset = step.preset ? presetNamed(*step.preset) : nullptr;
+Result<void> applyTo(Work& work, LabelStep step, const Progress& progress) {
   if (step.preset) {
-    const Result<ThresholdRange> range = presetRange(*step.preset, work.volume);
-    if (!range) return fail(range.error());
-    request.range = *range;
+    const Preset* preset = presetNamed(*step.preset);
     const std::string& modality = work.volume.modality;
-    if (preset != nullptr && !modality.empty() && !preset->modality.empty() &&
-        preset->modality != modality) {
+    if (preset != nullptr && !modality.empty() && preset->modality != modality) {
       work.warnings.push_back("The preset " + preset->name + " is made for " + preset->modality +
                               ", this scan is " + modality + "; check the result by eye.");
     }
-  } else {
-    request.range = *step.threshold;
+    if (step.label.empty() && preset != nullptr) step.label = preset->label;
   }
-  std::string name = step.label;
-  if (name.empty()) name = preset != nullptr ? preset->label : kUnnamedLabel;
-  const Result<LabelInfo> row =
-      rowFor(name, preset != nullptr ? preset : presetOfLabel(name), work.table);
-  if (!row) return fail(row.error());
-  Result<LabelGrid> made =
-      segment(work.volume, work.labels ? &*work.labels : nullptr, row->value, request, progress);
-  if (!made) return fail(made.error());
-  work.labels = std::move(*made);
+  if (step.label.empty()) step.label = kUnnamedLabel;
+  Result<LabelState> after = applyStep(work.volume, work.state, step, progress);
+  if (!after) return fail(after.error());
+  work.state = std::move(*after);
   return {};
 }
 
-/// A wrong name in a recipe is a wrong file, not a wrong command line.
-Error fromRecipe(Error error, const fs::path& recipe) {
-  if (recipe.empty() || error.kind != ErrorKind::Usage) return error;
-  error.kind = ErrorKind::InputRefused;
+/// What is wrong in a recipe is a wrong file, not a wrong command line, and has a step.
+Error fromRecipe(Error error, const fs::path& recipe, std::size_t step) {
+  if (recipe.empty() || error.kind == ErrorKind::Cancelled) return error;
+  if (error.kind == ErrorKind::Usage) error.kind = ErrorKind::InputRefused;
   error.file = recipe.string();
+  const std::string where = "step[" + std::to_string(step) + "]";
+  error.field = error.field ? where + "." + *error.field : where;
   return error;
 }
 
@@ -158,7 +109,7 @@ CommandOutput reportLabels(const Work& work) {
   CommandOutput output;
   output.json["labels"] = nlohmann::ordered_json::array();
   TextTable table({"label", "value", "voxels", "mm³"});
-  for (const LabelCount& count : countLabels(*work.labels, work.table)) {
+  for (const LabelCount& count : countLabels(work.state.labels, work.state.table)) {
     nlohmann::ordered_json row;
     row["name"] = count.name;
     row["value"] = count.value;
@@ -173,35 +124,41 @@ CommandOutput reportLabels(const Work& work) {
   return output;
 }
 
-Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandContext& context) {
-  const Result<std::vector<SegmentStep>> steps = stepsOf(options);
-  if (!steps) return fail(steps.error());
-  context.progress(0.0, "Reading the case");
-  const Result<Volume> volume = readCaseVolume(options.caseFolder);
+Result<Work> openCase(const fs::path& folder) {
+  Work work;
+  Result<Volume> volume = readCaseVolume(folder);
   if (!volume) return fail(volume.error());
-  if (const Result<void> writable = checkWritable(options.caseFolder); !writable) {
+  work.volume = std::move(*volume);
+  if (const Result<void> writable = checkWritable(folder); !writable) {
     return fail(writable.error());
   }
-  Work work{*volume, {}, {}, {}};
-  if (caseHasLabels(options.caseFolder)) {
-    Result<LabelGrid> labels = readCaseLabels(options.caseFolder);
-    if (!labels) return fail(labels.error());
-    work.labels = std::move(*labels);
-    Result<LabelTable> table = readCaseLabelTable(options.caseFolder);
-    if (!table) return fail(table.error());
-    work.table = std::move(*table);
-  }
-  for (const SegmentStep& step : *steps) {
-    const Result<void> applied = applyStep(step, work, context.progress);
-    if (!applied) return fail(fromRecipe(applied.error(), options.recipe));
+  if (!caseHasLabels(folder)) return work;
+  Result<LabelGrid> labels = readCaseLabels(folder);
+  if (!labels) return fail(labels.error());
+  Result<LabelTable> table = readCaseLabelTable(folder);
+  if (!table) return fail(table.error());
+  work.state = {std::move(*labels), std::move(*table)};
+  return work;
+}
+
+Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandContext& context) {
+  const Result<std::vector<LabelStep>> steps = stepsOf(options);
+  if (!steps) return fail(steps.error());
+  context.progress(0.0, "Reading the case");
+  Result<Work> work = openCase(options.caseFolder);
+  if (!work) return fail(work.error());
+  for (std::size_t i = 0; i < steps->size(); ++i) {
+    const Result<void> applied = applyTo(*work, (*steps)[i], context.progress);
+    if (!applied) return fail(fromRecipe(applied.error(), options.recipe, i));
   }
   if (context.progress.cancelled()) return fail(cancelled());
-  if (const Result<void> written = writeCaseLabels(options.caseFolder, *work.labels, work.table);
+  if (const Result<void> written =
+          writeCaseLabels(options.caseFolder, work->state.labels, work->state.table);
       !written) {
     return fail(written.error());
   }
   context.progress(1.0, "Segmented");
-  return reportLabels(work);
+  return reportLabels(*work);
 }
 
 std::string presetList() {
@@ -225,6 +182,9 @@ void addSegmentCommand(CommandSet& commands) {
   how->add_option("--threshold", options->threshold, "Lowest and highest value, inclusive (HU)")
       ->expected(2);
   how->add_option("--recipe", options->recipe, "TOML file of [[step]] tables");
+  how->add_option("--step", options->steps,
+                  "A step of a recipe on one line: tool = 'margin', label = 'bone', operation = "
+                  "'close', mm = 2; repeatable");
   how->require_option(1);
   sub->add_option("--label", options->label, "Label to replace (default: the preset's)");
   sub->add_flag("--largest", options->largest, "Keep only the largest connected part");

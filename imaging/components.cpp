@@ -31,16 +31,17 @@ class DisjointSets {
 
 /// The runs, and where each row's begin (one entry more than rows).
 void collectRuns(const std::vector<std::uint8_t>& mask, std::int32_t nx, std::size_t rows,
-                 std::vector<MaskRun>& runs, std::vector<std::uint32_t>& rowStart) {
+                 PartsOf of, std::vector<MaskRun>& runs, std::vector<std::uint32_t>& rowStart) {
+  const auto meant = [of](std::uint8_t voxel) { return ((voxel & of.bits) != 0) != of.clear; };
   rowStart.reserve(rows + 1);
   for (std::size_t row = 0; row < rows; ++row) {
     rowStart.push_back(static_cast<std::uint32_t>(runs.size()));
     const std::uint8_t* voxels = mask.data() + row * static_cast<std::size_t>(nx);
     for (std::int32_t x = 0; x < nx; ++x) {
-      if (voxels[x] == 0) continue;
+      if (!meant(voxels[x])) continue;
       MaskRun run;
       run.first = x;
-      while (x + 1 < nx && voxels[x + 1] != 0) ++x;
+      while (x + 1 < nx && meant(voxels[x + 1])) ++x;
       run.last = x;
       run.row = static_cast<std::uint32_t>(row);
       runs.push_back(run);
@@ -49,11 +50,13 @@ void collectRuns(const std::vector<std::uint8_t>& mask, std::int32_t nx, std::si
   rowStart.push_back(static_cast<std::uint32_t>(runs.size()));
 }
 
-/// Joins the touching runs of two rows; corners touch too (one voxel of reach on both sides).
+/// Joins the touching runs of two rows; `reach` 1: corners touch too.
 void joinRows(const std::vector<MaskRun>& runs, std::uint32_t a, std::uint32_t aEnd,
-              std::uint32_t b, std::uint32_t bEnd, DisjointSets& sets) {
+              std::uint32_t b, std::uint32_t bEnd, std::int32_t reach, DisjointSets& sets) {
   while (a < aEnd && b < bEnd) {
-    if (runs[a].first <= runs[b].last + 1 && runs[b].first <= runs[a].last + 1) sets.join(a, b);
+    if (runs[a].first <= runs[b].last + reach && runs[b].first <= runs[a].last + reach) {
+      sets.join(a, b);
+    }
     if (runs[a].last < runs[b].last) {
       ++a;
     } else {
@@ -64,26 +67,27 @@ void joinRows(const std::vector<MaskRun>& runs, std::uint32_t a, std::uint32_t a
 
 }  // namespace
 
-MaskParts findParts(const std::vector<std::uint8_t>& mask,
-                    const std::array<std::int32_t, 3>& dims) {
+MaskParts findParts(const std::vector<std::uint8_t>& mask, const std::array<std::int32_t, 3>& dims,
+                    PartsOf of) {
+  const bool corners = of.connectivity == Connectivity::Corners;
   const auto ny = static_cast<std::size_t>(dims[1]);
   const auto nz = static_cast<std::size_t>(dims[2]);
   MaskParts parts;
   std::vector<std::uint32_t> rowStart;
-  collectRuns(mask, dims[0], ny * nz, parts.runs, rowStart);
+  collectRuns(mask, dims[0], ny * nz, of, parts.runs, rowStart);
   DisjointSets sets(parts.runs.size());
   const auto join = [&](std::size_t row, std::size_t other) {
     joinRows(parts.runs, rowStart[row], rowStart[row + 1], rowStart[other], rowStart[other + 1],
-             sets);
+             corners ? 1 : 0, sets);
   };
   for (std::size_t z = 0; z < nz; ++z) {
     for (std::size_t y = 0; y < ny; ++y) {
       const std::size_t row = z * ny + y;
       if (y > 0) join(row, row - 1);
       if (z == 0) continue;
-      if (y > 0) join(row, row - ny - 1);
+      if (corners && y > 0) join(row, row - ny - 1);
       join(row, row - ny);
-      if (y + 1 < ny) join(row, row - ny + 1);
+      if (corners && y + 1 < ny) join(row, row - ny + 1);
     }
   }
   std::vector<std::uint32_t> numberOf(parts.runs.size());

@@ -1,5 +1,5 @@
 #pragma once
-/// 26-connected parts of a mask, by runs along x and union-find (two passes, no recursion).
+/// Connected parts of a mask, by runs along x and union-find (two passes, no recursion).
 /// Source: Rosenfeld & Pfaltz 1966, on runs instead of pixels. Memory is proportional to the runs.
 
 #include <array>
@@ -20,8 +20,17 @@ struct MaskParts {
   std::vector<std::uint64_t> voxels;  ///< Voxels of each part, in the order of first voxels.
 };
 
-/// @param mask  non-zero is set; x fastest; size dims[0]·dims[1]·dims[2].
+enum class Connectivity : std::uint8_t { Faces, Corners };  ///< 6 or 26 neighbours.
+
+/// Which voxels of a mask are meant, and which of them touch.
+struct PartsOf {
+  std::uint8_t bits = 0xff;  ///< Set: any of these bits.
+  bool clear = false;        ///< The voxels without any of the bits instead.
+  Connectivity connectivity = Connectivity::Corners;
+};
+
+/// @param mask  x fastest; size dims[0]·dims[1]·dims[2].
 [[nodiscard]] MaskParts findParts(const std::vector<std::uint8_t>& mask,
-                                  const std::array<std::int32_t, 3>& dims);
+                                  const std::array<std::int32_t, 3>& dims, PartsOf of = {});
 
 }  // namespace palpate

@@ -144,9 +144,8 @@ Result<ThresholdRange> presetRange(const std::string& preset, const Volume& volu
   return ThresholdRange{otsuThresholds2(volume).second, top};
 }
 
-Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::uint8_t value,
-                          const SegmentRequest& request, const Progress& progress) {
-  if (auto fits = checkRequest(volume, existing, value, request); !fits) return fail(fits.error());
+Result<std::vector<std::uint8_t>> selectVoxels(const Volume& volume, const SegmentRequest& request,
+                                               const Progress& progress) {
   auto mask = thresholdMask(volume, request.range, progress);
   if (!mask) return fail(mask.error());
   const auto any = [&mask] {
@@ -159,6 +158,14 @@ Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::
     if (!any()) return fail(nothingSelected(volume, request, false));
   }
   if (progress.cancelled()) return fail(cancelled());
+  return mask;
+}
+
+Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::uint8_t value,
+                          const SegmentRequest& request, const Progress& progress) {
+  if (auto fits = checkRequest(volume, existing, value, request); !fits) return fail(fits.error());
+  auto mask = selectVoxels(volume, request, progress);
+  if (!mask) return fail(mask.error());
   LabelGrid out;
   out.geometry = volume.geometry;
   out.labels = std::move(*mask);

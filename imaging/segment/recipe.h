@@ -16,6 +16,10 @@ namespace palpate {
 
 /// Refuses unknown keys, wrong types and values out of range, by file, step and key.
 [[nodiscard]] Result<std::vector<LabelStep>> readRecipe(const std::filesystem::path& tomlFile);
+/// Steps as inline tables ("tool = 'margin', label = 'bone', operation = 'close', mm = 2"), as a
+/// command line gives them.
+[[nodiscard]] Result<std::vector<LabelStep>> readSteps(
+    const std::vector<std::string>& inlineTables);
 /// What readRecipe() reads back to the last bit.
 [[nodiscard]] std::string recipeText(const std::vector<LabelStep>& steps);
 

@@ -52,8 +52,8 @@ struct FillHoles {
 };
 
 /// Grows or shrinks by a ball: a voxel is within `mm` of another when their centres are. Open is
-/// erode then dilate, close the reverse. What lies beyond the scan counts as the label, so that
-/// nothing shrinks from the scan's edge.
+/// erode then dilate, close the reverse. Only voxels of the scan count: nothing grows or shrinks
+/// from the scan's edge.
 struct Margin {
   enum class Operation : std::uint8_t { Dilate, Erode, Open, Close } operation = Operation::Dilate;
   double mm = 1.0;
@@ -106,24 +106,30 @@ struct Split {
   enum class By : std::uint8_t { Brightness, Edges } by = By::Brightness;
 };
 
-/// Arithmetic with another label, which itself stays as it is. Add also takes over its voxels.
+/// Arithmetic with another label grown by `grown_mm` (as Margin does). Labels never overlap, so
+/// without growth Add merges the other into this one, and Subtract changes nothing. Add takes over
+/// the other's voxels; the other's row stays.
 struct Combine {
   enum class Operation : std::uint8_t { Add, Subtract, Intersect } operation = Operation::Add;
   std::string other;
+  double grown_mm = 0.0;
 };
+
+/// Takes the label away, and its row in the table.
+struct Remove {};
 
 }  // namespace palpate::tool
 
 namespace palpate {
 
-using LabelTool =
-    std::variant<tool::Threshold, tool::GrowRegion, tool::Islands, tool::FillHoles, tool::Margin,
-                 tool::Smooth, tool::Box, tool::Scissors, tool::Brush, tool::Split, tool::Combine>;
+using LabelTool = std::variant<tool::Threshold, tool::GrowRegion, tool::Islands, tool::FillHoles,
+                               tool::Margin, tool::Smooth, tool::Box, tool::Scissors, tool::Brush,
+                               tool::Split, tool::Combine, tool::Remove>;
 
 /// What a tool may touch.
 struct EditLimits {
-  bool overOthers = false;              ///< May take voxels of other labels (Threshold always may).
-  std::optional<ThresholdRange> only;   ///< Only voxels of these values change.
+  bool overOthers = false;             ///< May take voxels of other labels (Threshold always may).
+  std::optional<ThresholdRange> only;  ///< Only voxels of these values change.
 };
 
 /// One step of a recipe, of the window's history.

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "imaging/components.h"
+#include "imaging/segment/edit.h"
+
+namespace palpate {
+namespace {
+
+/// Where the region can be: the scan, or what is within reach of a seed.
+VoxelBox reachOf(const GridGeometry& geometry,
+                 const std::vector<std::array<std::int32_t, 3>>& seeds, double reach_mm) {
+  if (reach_mm == 0.0) return wholeBox(geometry);
+  VoxelBox box;
+  for (const auto& seed : seeds) box = unite(box, {seed, seed});
+  return grownBy(box, reach_mm, geometry);
+}
+
+/// Sets kA where a voxel is in range, and within reach of a seed's voxel.
+void markCandidates(const Edit& edit, const tool::GrowRegion& tool,
+                    const std::vector<std::array<std::int32_t, 3>>& seeds, MaskBlock& block) {
+  const VoxelBox& box = block.box;
+  const double reach2 = tool.reach_mm * tool.reach_mm * (1.0 + 1e-9);
+  const auto reached = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    return tool.reach_mm == 0.0 ||
+           std::any_of(seeds.begin(), seeds.end(), [&](const std::array<std::int32_t, 3>& s) {
+             const Eigen::Array3d apart(x - s[0], y - s[1], z - s[2]);
+             return (apart * block.spacing_mm.array()).square().sum() <= reach2;
+           });
+  };
+  forEachRow(edit.geometry(), box,
+             [&](std::size_t first, std::int32_t count, std::int32_t y, std::int32_t z) {
+               const std::size_t to = block.index(0, y - box.low[1], z - box.low[2]);
+               for (std::int32_t x = 0; x < count; ++x) {
+                 const double value = edit.volume.value(first + static_cast<std::size_t>(x));
+                 if (value >= tool.range.low && value <= tool.range.high &&
+                     reached(box.low[0] + x, y, z)) {
+                   block.voxels[to + static_cast<std::size_t>(x)] |= plane::kA;
+                 }
+               }
+             });
+}
+
+Error noSeedInRange(const Edit& edit, const std::array<std::int32_t, 3>& seed) {
+  const double value = edit.volume.value(edit.geometry().index(seed[0], seed[1], seed[2]));
+  return inputRefused("No seed lies in the range.")
+      .inField("seeds")
+      .butFound("the value " + std::to_string(static_cast<long>(std::lround(value))) +
+                " at the first seed")
+      .wants("a seed whose value is in the range")
+      .advise("Click on the tissue itself, or widen the range.");
+}
+
+}  // namespace
+
+Result<void> carryOut(Edit& edit, const tool::GrowRegion& tool) {
+  if (auto fits = checkRange(tool.range); !fits) return fits;
+  if (auto fits = within(tool.reach_mm, 0.0, 1e4, "reach_mm"); !fits) return fits;
+  if (tool.seeds_mm.empty()) {
+    return fail(usageError("There is no seed to grow from.")
+                    .inField("seeds")
+                    .advise("Click on the tissue to grow."));
+  }
+  std::vector<std::array<std::int32_t, 3>> seeds;
+  for (std::size_t i = 0; i < tool.seeds_mm.size(); ++i) {
+    const auto voxel = voxelOf(edit, tool.seeds_mm[i], "seeds[" + std::to_string(i) + "]");
+    if (!voxel) return fail(voxel.error());
+    seeds.push_back(*voxel);
+  }
+  MaskBlock block =
+      blockOf(edit.labels, edit.value, reachOf(edit.geometry(), seeds, tool.reach_mm));
+  const Share share = edit.share("Growing from the seeds");
+  share.at(0.1);
+  markCandidates(edit, tool, seeds, block);
+  if (edit.progress.cancelled()) return fail(cancelled());
+  share.at(0.4);
+  const MaskParts parts = findParts(block.voxels, block.dims, {.bits = plane::kA});
+  if (edit.progress.cancelled()) return fail(cancelled());
+  share.at(0.8);
+  std::vector<bool> chosen(parts.voxels.size(), false);
+  bool any = false;
+  for (const auto& seed : seeds) {
+    const auto row = static_cast<std::uint32_t>((seed[2] - block.box.low[2]) * block.dims[1] +
+                                                (seed[1] - block.box.low[1]));
+    const std::int32_t x = seed[0] - block.box.low[0];
+    for (const MaskRun& run : parts.runs) {
+      if (run.row != row || run.first > x || run.last < x) continue;
+      chosen[run.part] = any = true;
+    }
+  }
+  if (!any) return fail(noSeedInRange(edit, seeds.front()));
+  for (const MaskRun& run : parts.runs) {
+    if (!chosen[run.part]) continue;
+    const auto row = block.voxels.begin() + static_cast<std::ptrdiff_t>(run.row) * block.dims[0];
+    std::fill(row + run.first, row + run.last + 1, plane::kMask);
+  }
+  writeBack(edit, block, edit.limits.overOthers);
+  return {};
+}
+
+}  // namespace palpate

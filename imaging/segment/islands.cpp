@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "imaging/components.h"
+#include "imaging/segment/edit.h"
+
+namespace palpate {
+namespace {
+
+/// How far a pick may be from the part that it means.
+constexpr double kPickMm = 5.0;
+
+/// Grid voxel nearest to the pick that has the label, within kPickMm.
+std::optional<std::array<std::int32_t, 3>> labelledNear(const Edit& edit,
+                                                        const Eigen::Vector3d& pick_mm,
+                                                        const std::array<std::int32_t, 3>& voxel) {
+  const GridGeometry& g = edit.geometry();
+  const Eigen::Vector3d pick_V = g.X_PV.inverse() * (pick_mm * 1e-3);
+  const VoxelBox box = grownBy({voxel, voxel}, kPickMm, g);
+  double nearest = kPickMm * 1e-3 * (1.0 + 1e-9);
+  std::optional<std::array<std::int32_t, 3>> found;
+  for (std::int32_t z = box.low[2]; z <= box.high[2]; ++z) {
+    for (std::int32_t y = box.low[1]; y <= box.high[1]; ++y) {
+      for (std::int32_t x = box.low[0]; x <= box.high[0]; ++x) {
+        if (edit.labels.at(x, y, z) != edit.value) continue;
+        const double distance = (g.centre_V(x, y, z) - pick_V).norm();
+        if (distance > nearest || (found && distance == nearest)) continue;
+        nearest = distance;
+        found = std::array{x, y, z};
+      }
+    }
+  }
+  return found;
+}
+
+/// The part of each voxel asked for.
+std::uint32_t partAt(const MaskParts& parts, const MaskBlock& block,
+                     const std::array<std::int32_t, 3>& voxel) {
+  const auto row = static_cast<std::uint32_t>((voxel[2] - block.box.low[2]) * block.dims[1] +
+                                              (voxel[1] - block.box.low[1]));
+  const std::int32_t x = voxel[0] - block.box.low[0];
+  const auto run = std::partition_point(
+      parts.runs.begin(), parts.runs.end(), [row, x](const MaskRun& candidate) {
+        return candidate.row < row || (candidate.row == row && candidate.last < x);
+      });
+  return run->part;
+}
+
+std::vector<bool> largest(const MaskParts& parts, std::size_t count) {
+  std::vector<std::uint32_t> order(parts.voxels.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&parts](std::uint32_t a, std::uint32_t b) {
+    return parts.voxels[a] > parts.voxels[b];
+  });
+  std::vector<bool> kept(parts.voxels.size(), false);
+  for (std::size_t i = 0; i < std::min(count, order.size()); ++i) kept[order[i]] = true;
+  return kept;
+}
+
+Result<std::vector<bool>> picked(const Edit& edit, const tool::Islands& tool,
+                                 const MaskParts& parts, const MaskBlock& block) {
+  std::vector<bool> chosen(parts.voxels.size(), false);
+  for (std::size_t i = 0; i < tool.picks_mm.size(); ++i) {
+    const std::string field = "picks[" + std::to_string(i) + "]";
+    const auto voxel = voxelOf(edit, tool.picks_mm[i], field);
+    if (!voxel) return fail(voxel.error());
+    const auto nearest = labelledNear(edit, tool.picks_mm[i], *voxel);
+    if (!nearest) {
+      return fail(inputRefused("No part of the label is near the pick.")
+                      .inField(field)
+                      .wants("a point within 5 mm of the label")
+                      .advise("Click on the part itself."));
+    }
+    chosen[partAt(parts, block, *nearest)] = true;
+  }
+  return chosen;
+}
+
+Result<std::vector<bool>> keptParts(const Edit& edit, const tool::Islands& tool,
+                                    const MaskParts& parts, const MaskBlock& block) {
+  using Keep = tool::Islands::Keep;
+  if (tool.keep == Keep::Largest) return largest(parts, tool.count);
+  std::vector<bool> kept(parts.voxels.size(), false);
+  if (tool.keep == Keep::AtLeast) {
+    const double mm3 = block.spacing_mm.prod();
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      // A volume that was read off a list is the part's own, so rounding must not drop it.
+      kept[i] = static_cast<double>(parts.voxels[i]) * mm3 >= tool.minMm3 * (1.0 - 1e-9);
+    }
+    return kept;
+  }
+  auto chosen = picked(edit, tool, parts, block);
+  if (chosen && tool.keep == Keep::NotPicked) chosen->flip();
+  return chosen;
+}
+
+Result<void> check(const tool::Islands& tool) {
+  using Keep = tool::Islands::Keep;
+  if (tool.keep == Keep::Largest) return within(static_cast<double>(tool.count), 1, 1e9, "count");
+  if (tool.keep == Keep::AtLeast) return within(tool.minMm3, 0, 1e12, "min_mm3");
+  if (!tool.picks_mm.empty()) return {};
+  return fail(usageError("No part is picked.").inField("picks").advise("Pick at least one part."));
+}
+
+}  // namespace
+
+Result<void> carryOut(Edit& edit, const tool::Islands& tool) {
+  if (auto fits = check(tool); !fits) return fits;
+  MaskBlock block = blockOf(edit.labels, edit.value, boundsOf(edit.labels, edit.value));
+  const Share share = edit.share("Finding connected parts");
+  share.at(0.2);
+  const MaskParts parts = findParts(block.voxels, block.dims, {.bits = plane::kMask});
+  if (edit.progress.cancelled()) return fail(cancelled());
+  share.at(0.8);
+  const auto kept = keptParts(edit, tool, parts, block);
+  if (!kept) return fail(kept.error());
+  for (const MaskRun& run : parts.runs) {
+    if ((*kept)[run.part]) continue;
+    const auto row = block.voxels.begin() + static_cast<std::ptrdiff_t>(run.row) * block.dims[0];
+    std::fill(row + run.first, row + run.last + 1, std::uint8_t{0});
+  }
+  writeBack(edit, block, edit.limits.overOthers);
+  return {};
+}
+
+}  // namespace palpate
