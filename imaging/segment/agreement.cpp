@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "imaging/segment/mask_block.h"
 #include "imaging/segment/surface_distances.h"
 
 namespace palpate {
@@ -14,8 +15,6 @@ namespace {
 
 // As a case's own files (imaging/case_folder.cpp): other programs keep corners within it.
 constexpr double kSameGeometry_m = 1e-6;
-
-constexpr std::uint8_t kA = 1, kB = 2;
 
 std::string countsText(const GridGeometry& geometry) {
   return std::to_string(geometry.dims[0]) + " x " + std::to_string(geometry.dims[1]) + " x " +
@@ -40,33 +39,16 @@ bool holds(const MaskOfLabels& mask, std::size_t voxel) {
   return mask.value ? label == *mask.value : label != 0;
 }
 
-/// Low and high voxel of a box, both inclusive; low[0] > high[0] where it is empty.
-struct Bounds {
-  std::array<std::int32_t, 3> low{1, 1, 1}, high{0, 0, 0};
-
-  void take(const Bounds& other) {
-    if (other.low[0] > other.high[0]) return;
-    if (low[0] > high[0]) {
-      *this = other;
-      return;
-    }
-    for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], other.low[d]);
-      high[d] = std::max(high[d], other.high[d]);
-    }
-  }
-};
-
 /// Counts, and where the voxels are, slice by slice.
 struct Tally {
   std::size_t a = 0, b = 0, common = 0;
-  Bounds bounds;
+  VoxelBox box;
 
   void add(const Tally& other) {
     a += other.a;
     b += other.b;
     common += other.common;
-    bounds.take(other.bounds);
+    box = unite(box, other.box);
   }
 };
 
@@ -88,7 +70,7 @@ Tally tallySlice(const MaskOfLabels& a, const MaskOfLabels& b, std::int32_t z) {
       first = std::min(first, x);
       last = x;
     }
-    if (last >= 0) tally.bounds.take({{first, y, z}, {last, y, z}});
+    if (last >= 0) tally.box = unite(tally.box, {{first, y, z}, {last, y, z}});
   }
   return tally;
 }
@@ -117,28 +99,27 @@ bool isSurface(const MaskOfLabels& mask, const std::array<std::int32_t, 3>& at, 
   return false;
 }
 
-/// The surfaces of both masks within the bounds, as the bits kA and kB.
-BitBox surfacesOf(const MaskOfLabels& a, const MaskOfLabels& b, const Bounds& bounds) {
+/// The surfaces of both masks within the box, as the planes kA and kB.
+MaskBlock surfacesOf(const MaskOfLabels& a, const MaskOfLabels& b, const VoxelBox& box) {
   const GridGeometry& geometry = a.grid.geometry;
-  BitBox box;
-  for (std::size_t d = 0; d < 3; ++d) {
-    box.dims[d] = bounds.high[d] - bounds.low[d] + 1;
-    box.spacing_mm[d] = geometry.spacing[static_cast<Eigen::Index>(d)] * 1e3;
-  }
-  const auto plane = static_cast<std::size_t>(box.dims[0]) * static_cast<std::size_t>(box.dims[1]);
-  box.bits.resize(plane * static_cast<std::size_t>(box.dims[2]));
-  tbb::parallel_for(bounds.low[2], bounds.high[2] + 1, [&](std::int32_t z) {
-    std::uint8_t* bits = box.bits.data() + static_cast<std::size_t>(z - bounds.low[2]) * plane;
-    for (std::int32_t y = bounds.low[1]; y <= bounds.high[1]; ++y) {
-      for (std::int32_t x = bounds.low[0]; x <= bounds.high[0]; ++x, ++bits) {
+  MaskBlock surfaces;
+  surfaces.box = box;
+  surfaces.dims = box.dims();
+  surfaces.spacing_mm = spacing_mm(geometry);
+  surfaces.voxels.resize(surfaces.sliceVoxels() * static_cast<std::size_t>(surfaces.dims[2]));
+  tbb::parallel_for(std::int32_t{0}, surfaces.dims[2], [&](std::int32_t slice) {
+    std::uint8_t* bits = surfaces.voxels.data() + surfaces.index(0, 0, slice);
+    const std::int32_t z = box.low[2] + slice;
+    for (std::int32_t y = box.low[1]; y <= box.high[1]; ++y) {
+      for (std::int32_t x = box.low[0]; x <= box.high[0]; ++x, ++bits) {
         const std::size_t voxel = geometry.index(x, y, z);
-        const int ofA = isSurface(a, {x, y, z}, voxel) ? kA : 0;
-        const int ofB = isSurface(b, {x, y, z}, voxel) ? kB : 0;
+        const int ofA = isSurface(a, {x, y, z}, voxel) ? plane::kA : 0;
+        const int ofB = isSurface(b, {x, y, z}, voxel) ? plane::kB : 0;
         *bits = static_cast<std::uint8_t>(ofA | ofB);
       }
     }
   });
-  return box;
+  return surfaces;
 }
 
 /// Between the two nearest of the sorted values, as numpy.percentile does. Reorders `values`.
@@ -167,19 +148,10 @@ DistanceSummary summarise(std::vector<float>& distances) {
   return summary;
 }
 
-Progress partOf(const Progress& whole, double from, double to) {
-  Progress part;
-  part.cancel = whole.cancel;
-  part.report = [&whole, from, to](double fraction, const std::string& what) {
-    whole(from + (to - from) * fraction, what);
-  };
-  return part;
-}
-
-Result<SurfaceAgreement> compareSurfaces(const BitBox& surfaces, const Progress& progress) {
-  auto there = nearestDistances_mm(surfaces, kA, kB, partOf(progress, 0.2, 0.6));
+Result<SurfaceAgreement> compareSurfaces(const MaskBlock& surfaces, const Share& share) {
+  auto there = nearestDistances_mm(surfaces, plane::kA, plane::kB, share.part(0.0, 0.5));
   if (!there) return fail(there.error());
-  auto back = nearestDistances_mm(surfaces, kB, kA, partOf(progress, 0.6, 1.0));
+  auto back = nearestDistances_mm(surfaces, plane::kB, plane::kA, share.part(0.5, 1.0));
   if (!back) return fail(back.error());
   SurfaceAgreement surface;
   surface.voxels = {there->size(), back->size()};
@@ -219,7 +191,8 @@ Result<Agreement> compareMasks(const MaskOfLabels& a, const MaskOfLabels& b,
   if (tally.a == 0 || tally.b == 0) return agreement;
   progress(0.1, "Finding the surfaces");
   if (progress.cancelled()) return fail(cancelled());
-  auto surface = compareSurfaces(surfacesOf(a, b, tally.bounds), progress);
+  auto surface =
+      compareSurfaces(surfacesOf(a, b, tally.box), {progress, 0.2, 1.0, "Measuring distances"});
   if (!surface) return fail(surface.error());
   agreement.surface = *surface;
   return agreement;

@@ -62,18 +62,18 @@ class Envelope {
 /// For each voxel of some slices, how many slices away the nearest set voxel of its column is.
 class ColumnGaps {
  public:
-  ColumnGaps(const BitBox& box, std::uint8_t bit)
-      : box_(box),
+  ColumnGaps(const MaskBlock& block, std::uint8_t bit)
+      : block_(block),
         bit_(bit),
-        nx_(static_cast<std::size_t>(box.dims[0])),
-        plane_(nx_ * static_cast<std::size_t>(box.dims[1])),
+        nx_(static_cast<std::size_t>(block.dims[0])),
+        plane_(block.sliceVoxels()),
         below_(plane_, kNone),
         ahead_(plane_, -1) {}
 
   /// Of the slices [first, end), which follow those of the call before.
   void fill(std::int32_t first, std::int32_t end, std::vector<std::int32_t>& gaps) {
     gaps.resize(static_cast<std::size_t>(end - first) * plane_);
-    tbb::parallel_for(std::int32_t{0}, box_.dims[1], [&](std::int32_t y) {
+    tbb::parallel_for(std::int32_t{0}, block_.dims[1], [&](std::int32_t y) {
       const std::size_t row = static_cast<std::size_t>(y) * nx_;
       fillUpwards(row, first, end, gaps.data() + row);
       fillDownwards(row, first, end, gaps.data() + row);
@@ -82,7 +82,7 @@ class ColumnGaps {
 
  private:
   [[nodiscard]] const std::uint8_t* rowAt(std::size_t row, std::int32_t z) const {
-    return box_.bits.data() + static_cast<std::size_t>(z) * plane_ + row;
+    return block_.voxels.data() + static_cast<std::size_t>(z) * plane_ + row;
   }
 
   void fillUpwards(std::size_t row, std::int32_t first, std::int32_t end, std::int32_t* gap) {
@@ -115,13 +115,13 @@ class ColumnGaps {
     std::int32_t& ahead = ahead_[row + x];
     if (ahead < z) {
       ahead = z;
-      while (ahead < box_.dims[2] && (rowAt(row, ahead)[x] & bit_) == 0) ++ahead;
-      if (ahead == box_.dims[2]) ahead = kNone;
+      while (ahead < block_.dims[2] && (rowAt(row, ahead)[x] & bit_) == 0) ++ahead;
+      if (ahead == block_.dims[2]) ahead = kNone;
     }
     return ahead;
   }
 
-  const BitBox& box_;
+  const MaskBlock& block_;
   std::uint8_t bit_;
   std::size_t nx_, plane_;
   std::vector<std::int32_t> below_, ahead_;  ///< Last set slice so far; first set one further on.
@@ -130,10 +130,10 @@ class ColumnGaps {
 /// One slice's distances from its gaps. One a worker.
 class SliceDistances {
  public:
-  explicit SliceDistances(const BitBox& box)
-      : box_(box),
-        nx_(static_cast<std::size_t>(box.dims[0])),
-        ny_(static_cast<std::size_t>(box.dims[1])),
+  explicit SliceDistances(const MaskBlock& block)
+      : block_(block),
+        nx_(static_cast<std::size_t>(block.dims[0])),
+        ny_(static_cast<std::size_t>(block.dims[1])),
         envelope_(std::max(nx_, ny_)),
         squares_(ny_ * stride()),
         wanted_(nx_) {}
@@ -154,11 +154,11 @@ class SliceDistances {
     for (std::size_t y = 0; y < ny_; ++y) {
       double* row = squares_.data() + y * stride();
       for (std::size_t x = 0; x < nx_; ++x) row[x] = squareOf(gaps[y * nx_ + x]);
-      envelope_.pass(row, nx_, 1, box_.spacing_mm[0]);
+      envelope_.pass(row, nx_, 1, block_.spacing_mm.x());
     }
     for (std::size_t x = 0; x < nx_; ++x) {
       if (wanted_[x] != 0) {
-        envelope_.pass(squares_.data() + x, ny_, stride(), box_.spacing_mm[1]);
+        envelope_.pass(squares_.data() + x, ny_, stride(), block_.spacing_mm.y());
       }
     }
     for (std::size_t y = 0; y < ny_; ++y) {
@@ -174,11 +174,11 @@ class SliceDistances {
   /// Odd in cache lines, or the samples of a column of 512 would all want one place of the cache.
   [[nodiscard]] std::size_t stride() const { return (nx_ / 16 * 2 + 3) * 8; }
   [[nodiscard]] double squareOf(std::int32_t gap) const {
-    const double along = box_.spacing_mm[2] * static_cast<double>(gap);
+    const double along = block_.spacing_mm.z() * static_cast<double>(gap);
     return gap == kNone ? kNowhere : along * along;
   }
 
-  const BitBox& box_;
+  const MaskBlock& block_;
   std::size_t nx_, ny_;
   Envelope envelope_;
   std::vector<double> squares_;
@@ -187,31 +187,32 @@ class SliceDistances {
 
 }  // namespace
 
-Result<std::vector<float>> nearestDistances_mm(const BitBox& box, std::uint8_t from,
-                                               std::uint8_t to, const Progress& progress) {
-  assert(std::any_of(box.bits.begin(), box.bits.end(), [to](auto b) { return (b & to) != 0; }));
-  const std::size_t plane =
-      static_cast<std::size_t>(box.dims[0]) * static_cast<std::size_t>(box.dims[1]);
+Result<std::vector<float>> nearestDistances_mm(const MaskBlock& block, std::uint8_t from,
+                                               std::uint8_t to, const Share& share) {
+  assert(std::any_of(block.voxels.begin(), block.voxels.end(),
+                     [to](auto b) { return (b & to) != 0; }));
+  const std::size_t plane = block.sliceVoxels();
   const auto slices = static_cast<std::int32_t>(
-      std::clamp<std::size_t>(kBatchVoxels / plane, 1, static_cast<std::size_t>(box.dims[2])));
-  ColumnGaps columns(box, to);
-  tbb::enumerable_thread_specific<SliceDistances> workers([&box] { return SliceDistances(box); });
+      std::clamp<std::size_t>(kBatchVoxels / plane, 1, static_cast<std::size_t>(block.dims[2])));
+  ColumnGaps columns(block, to);
+  tbb::enumerable_thread_specific<SliceDistances> workers(
+      [&block] { return SliceDistances(block); });
   std::vector<std::int32_t> gaps;
   std::vector<std::vector<float>> found(static_cast<std::size_t>(slices));
   std::vector<float> distances;
-  for (std::int32_t first = 0; first < box.dims[2]; first += slices) {
-    if (progress.cancelled()) return fail(cancelled());
-    const std::int32_t end = std::min(first + slices, box.dims[2]);
+  for (std::int32_t first = 0; first < block.dims[2]; first += slices) {
+    if (share.progress.cancelled()) return fail(cancelled());
+    const std::int32_t end = std::min(first + slices, block.dims[2]);
     columns.fill(first, end, gaps);
     tbb::parallel_for(first, end, [&](std::int32_t z) {
       const auto at = static_cast<std::size_t>(z - first);
-      found[at] = workers.local()(box.bits.data() + static_cast<std::size_t>(z) * plane, from,
+      found[at] = workers.local()(block.voxels.data() + static_cast<std::size_t>(z) * plane, from,
                                   gaps.data() + at * plane);
     });
     for (std::size_t s = 0; s < static_cast<std::size_t>(end - first); ++s) {
       distances.insert(distances.end(), found[s].begin(), found[s].end());
     }
-    progress(static_cast<double>(end) / box.dims[2], "Measuring distances");
+    share.at(static_cast<double>(end) / block.dims[2]);
   }
   return distances;
 }
