@@ -10,9 +10,11 @@ palpate_library(desktop
     desktop_loop.cpp
     desktop_recent.cpp
     desktop_review.cpp
+    desktop_scene.cpp
     desktop_segment.cpp
     desktop_signals.cpp
     desktop_simulation.cpp
+    label_worker.cpp
     series_rows.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
     palpate::trade

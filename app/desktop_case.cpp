@@ -79,18 +79,13 @@ ui::CaseModel describeCase(const OpenCase& open) {
   return model;
 }
 
-std::vector<ui::LabelRow> labelRows(const OpenCase& open) {
+std::vector<ui::LabelRow> labelRows(const LabelState& state) {
   std::vector<ui::LabelRow> rows;
-  if (!open.labels) return rows;
-  const auto counts = countLabels(*open.labels, open.table);
-  for (const LabelInfo& label : open.table) {
-    ui::LabelRow row{label.name, label.value, label.colour, 0, 0.0, true};
-    for (const LabelCount& count : counts) {
-      if (count.value != label.value) continue;
-      row.voxels = count.voxels;
-      row.mm3 = count.mm3;
-    }
-    rows.push_back(row);
+  const auto counts = countLabels(state.labels, state.table);
+  for (std::size_t i = 0; i < state.table.size(); ++i) {
+    const LabelInfo& label = state.table[i];
+    rows.push_back({label.name, label.value, label.colour, counts[i].voxels, counts[i].mm3, true,
+                    label.material});
   }
   return rows;
 }

@@ -7,6 +7,7 @@
 
 #include "core/base/progress.h"
 #include "imaging/case_folder.h"
+#include "imaging/segment/apply.h"
 #include "imaging/surface.h"
 #include "ui/model.h"
 
@@ -27,7 +28,7 @@ struct OpenCase {
 /// `bins` even bins over the value range, heights 0..1 on a logarithmic scale.
 [[nodiscard]] std::vector<float> histogramOf(const Volume& volume, std::size_t bins);
 [[nodiscard]] ui::CaseModel describeCase(const OpenCase& open);
-[[nodiscard]] std::vector<ui::LabelRow> labelRows(const OpenCase& open);
+[[nodiscard]] std::vector<ui::LabelRow> labelRows(const LabelState& state);
 
 /// The surface of every label of the table, its light from the grey values.
 struct LabelSurface {

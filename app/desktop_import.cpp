@@ -53,7 +53,6 @@ void Desktop::openCase(const fs::path& folder) {
 void Desktop::showCase(OpenCase open) {
   simulation_.setScene(nullptr);
   review_.clear();
-  undo_.clear();
   sceneInstrument_.clear();
   open_ = std::move(open);
   workspace_->showVolume(*open_->volume);
@@ -67,7 +66,7 @@ void Desktop::showCase(OpenCase open) {
   recent_.add(open_->folder);
   model_.library.recent = recent_.list();
   refreshSessions();
-  labelsChanged();
+  openLabels();
   if (options_.task.empty()) {
     model_.task = open_->labels ? ui::Task::Simulate : ui::Task::Segment;
   }

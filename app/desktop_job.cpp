@@ -19,11 +19,18 @@ void JobQueue::add(std::string title, Work work, bool cancellable) {
   if (!running_) startNext();
 }
 
+void JobQueue::addLatest(const std::string& title, Work work) {
+  std::erase_if(waiting_, [&title](const auto& job) { return job->title == title; });
+  if (running_ && running_->title == title) running_->cancel.cancel();
+  add(title, std::move(work));
+}
+
 void JobQueue::startNext() {
   if (waiting_.empty()) return;
   running_ = std::move(waiting_.front());
   waiting_.pop_front();
   Job& job = *running_;
+  job.started = std::chrono::steady_clock::now();
   job.thread = std::jthread([&job] {
     Progress progress;
     progress.cancel = &job.cancel;
@@ -62,6 +69,8 @@ ui::JobModel JobQueue::model() const {
   if (!running_) return model;
   const std::lock_guard lock(running_->mutex);
   model.active = true;
+  model.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - running_->started).count();
   model.title = running_->title;
   model.what = running_->cancel.cancelled() ? "Cancelling" : running_->what;
   model.fraction = running_->fraction;

@@ -1,6 +1,7 @@
 #pragma once
 /// Long work beside the window: one job after the other on a thread, with progress and cancel.
 
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -27,6 +28,8 @@ class JobQueue {
   JobQueue& operator=(const JobQueue&) = delete;
 
   void add(std::string title, Work work, bool cancellable = true);
+  /// As add(); a job of the same title that waits is dropped, one that runs is cancelled.
+  void addLatest(const std::string& title, Work work);
   /// Takes a finished job's completion and starts the next. True if a completion ran.
   bool poll();
   /// The running job only; those that wait stay.
@@ -43,6 +46,7 @@ class JobQueue {
     bool cancellable = true;
     CancelToken cancel;
     Completion completion;
+    std::chrono::steady_clock::time_point started;
     std::atomic<bool> done{false};
     mutable std::mutex mutex;  // of the two below
     double fraction = -1.0;

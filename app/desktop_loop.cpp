@@ -106,7 +106,9 @@ void Desktop::complain(const Error& error, const std::string& meaning) {
 }
 
 void Desktop::fillModel(double dt) {
+  pollLabels();
   model_.job = jobs_.model();
+  if (const ui::JobModel labels = labelWorker_.model(); labels.active) model_.job = labels;
   if (devices_.valid() && devices_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     const auto listed = devices_.get().devices;
     const bool named = std::any_of(listed.begin(), listed.end(), [](const ListedDevice& d) {
@@ -153,7 +155,7 @@ bool Desktop::mayClose() {
 
 Result<bool> Desktop::scriptFrame(std::optional<fs::path>& screenshot) {
   if (!script_ || script_->finished()) return false;
-  auto input = script_->next(workspace_->items(), !jobs_.busy());
+  auto input = script_->next(workspace_->items(), !busy());
   if (!input) return fail(input.error());
   window_->inject(*input);
   screenshot = input->screenshot;
@@ -171,7 +173,8 @@ Result<void> Desktop::run() {
     const auto asked = scriptFrame(screenshot);
     if (!asked) return fail(asked.error());
     quit = *asked;
-    const bool awake = simulation_.running() || jobs_.busy() || workspace_->busy() || settle > 0 ||
+    const bool awake = simulation_.running() || jobs_.busy() || labelWorker_.busy() ||
+                       labelWorker_.previewing() || workspace_->busy() || settle > 0 ||
                        model_.review.playing || (script_ && !script_->finished());
     const double before = monotonic();
     window_->beginFrame(awake ? 0.0 : kIdle_s);
@@ -198,6 +201,7 @@ Result<void> Desktop::run() {
   }
   const Result<void> reported = options_.soak_s > 0.0 ? writeSoakReport() : Result<void>();
   stopRun();
+  saveBeforeClosing();
   return reported;
 }
 
@@ -225,7 +229,7 @@ Result<void> Desktop::renderPicture() {
   window_->beginFrame(0.0);
   (void)workspace_->draw(*window_, model_, 0.0, true);
   window_->endFrame();
-  jobs_.finishAll();
+  finishWork();
   if (refused_) return fail(refusal_);
   constexpr int kDrawn = 3;  // frames after the last step: sizes of cards settle
   for (int i = 0; i < options_.frames + kDrawn; ++i) {
@@ -236,12 +240,25 @@ Result<void> Desktop::renderPicture() {
     std::optional<fs::path> ignored;
     if (const auto asked = scriptFrame(ignored); !asked) return fail(asked.error());
     window_->beginFrame(0.0);
-    jobs_.finishAll();
+    finishWork();
     const ui::Actions actions = workspace_->draw(*window_, model_, i * kPictureStep_s, false);
     window_->endFrame();
     carryOut(actions);
   }
   return ui::writePng(window_->picture(), *options_.screenshot);
+}
+
+bool Desktop::busy() const {
+  return jobs_.busy() || labelWorker_.busy() || labelWorker_.previewing();
+}
+
+/// Pictures without a window loop: everything that was asked for is there.
+void Desktop::finishWork() {
+  do {
+    jobs_.finishAll();
+    labelWorker_.finish();
+    pollLabels();
+  } while (busy());
 }
 
 void Desktop::carryOut(const ui::Actions& actions) {
@@ -263,6 +280,7 @@ void Desktop::carryOutOne(const ui::Action& action) {
   std::visit(
       Overloaded{
           [this](const act::ShowTask& a) {
+            if (model_.task == Task::Segment && a.task != Task::Segment) leaveSegment();
             model_.task = a.task;
             if (a.task == Task::Review) {
               const auto chosen = model_.review.chosen;
@@ -278,20 +296,27 @@ void Desktop::carryOutOne(const ui::Action& action) {
           [this](const act::ImportSeries& a) { importSeries(a.path, a.uid, ""); },
           [this](const act::CloseSeriesList&) { model_.library.series.clear(); },
           [this](const act::KeepNames& a) { model_.library.keepNames = a.yes; },
-          [this](const act::CancelJob&) { jobs_.cancel(); },
+          [this](const act::CancelJob&) {
+            if (labelWorker_.model().active) return labelWorker_.cancel();
+            jobs_.cancel();
+          },
           [this](const act::DismissMessage& a) {
             if (a.index >= model_.messages.size()) return;
             model_.messages.erase(model_.messages.begin() + static_cast<std::ptrdiff_t>(a.index));
           },
-          [this](const act::Segment& a) { segmentTissue(a); },
-          [this](const act::DeleteLabel& a) { deleteLabel(a.value); },
+          [this](const act::PreviewStep& a) { labelWorker_.preview(a.step); },
+          [this](const act::DropPreview&) { dropPreview(); },
+          [this](const act::ApplyStep& a) { applyStepNow(a.step); },
+          [this](const act::EditLabel& a) { editLabel(a); },
+          [this](const act::TouchIt&) { touchIt(); },
           [this](const act::ShowLabel& a) {
             for (LabelRow& row : model_.segment.labels) {
               if (row.value == a.value) row.visible = a.visible;
             }
             workspace_->showRows(model_.segment.labels);
           },
-          [this](const act::Undo&) { undo(); },
+          [this](const act::Undo&) { restore(Restoring::Undo); },
+          [this](const act::Redo&) { restore(Restoring::Redo); },
           [this](const act::ChooseInstrument& a) {
             if (a.index >= instruments_.size() || jobs_.busy()) return;
             stopRun();

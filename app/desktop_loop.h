@@ -5,8 +5,10 @@
 #include <array>
 #include <deque>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "app/desktop.h"
@@ -15,9 +17,11 @@
 #include "app/desktop_recent.h"
 #include "app/desktop_review.h"
 #include "app/desktop_simulation.h"
+#include "app/label_worker.h"
 #include "core/devices/device_list.h"
 #include "core/scene/material.h"
 #include "core/simulation/histogram.h"
+#include "imaging/segment/case_recipe.h"
 #include "ui/workspace.h"
 
 namespace palpate {
@@ -39,6 +43,8 @@ class Desktop {
   void carryOut(const ui::Actions& actions);
   void carryOutOne(const ui::Action& action);
   [[nodiscard]] bool mayClose();
+  [[nodiscard]] bool busy() const;
+  void finishWork();
   /// True when the soak's time is over.
   [[nodiscard]] bool soaked() const;
   [[nodiscard]] Result<void> writeSoakReport();
@@ -61,15 +67,40 @@ class Desktop {
   [[nodiscard]] std::filesystem::path newCaseFolder(const std::filesystem::path& scan) const;
   void browse(const std::filesystem::path& folder);
 
-  // desktop_segment.cpp: labels, surfaces, scene
-  void segmentTissue(const ui::act::Segment& wish);
-  void deleteLabel(std::uint8_t value);
-  void undo();
-  void replaceLabels(std::shared_ptr<const LabelGrid> labels, LabelTable table);
-  void labelsChanged();
+  // desktop_segment.cpp: labels and surfaces
+  struct UndoEntry {
+    std::shared_ptr<const PackedState> state;  ///< Null: only the table was another.
+    LabelTable table;
+    std::string what;
+    CaseRecipe recipe;
+  };
+  enum class Restoring : std::uint8_t { No, Undo, Redo };
+  void openLabels();
+  void takeLabels(const SharedLabels& state);
+  void pollLabels();
+  void takeOutcome(LabelWorker::Outcome& outcome);
+  void takePreview(const LabelWorker::Outcome& outcome);
+  void takeSurfaces(LabelWorker::Outcome& outcome);
+  void dropPreview();
+  void applyStepNow(const LabelStep& step);
+  void editLabel(const ui::act::EditLabel& wish);
+  void setTable(const LabelTable& table);
+  void restore(Restoring which);
+  void moveBetween(UndoEntry past);
+  void saveLabels();
+  void saveBeforeClosing();
   void meshLabels();
-  void prepare();
+  void touchIt();
+  void leaveSegment();
+  void describeUndo();
+  [[nodiscard]] int meshStep() const;
+  [[nodiscard]] SharedLabels currentLabels() const;
+  [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const LabelState& state) const;
+
+  // desktop_scene.cpp: what is felt
   void readDatasets();
+  void prepare();
+  void takeScene(const std::shared_ptr<const PreparedScene>& scene);
 
   // desktop_actions.cpp: simulation and review
   void startStop();
@@ -88,12 +119,13 @@ class Desktop {
   ui::Model model_;
   RecentCases recent_;
   std::optional<OpenCase> open_;
-  struct LabelState {
-    std::shared_ptr<const LabelGrid> labels;
-    LabelTable table;
-    std::string what;
-  };
-  std::vector<LabelState> undo_;
+  SharedLabels shown_;  ///< The labels as they are, without a preview.
+  std::vector<UndoEntry> undo_, redo_;
+  Restoring restoring_ = Restoring::No;
+  CaseRecipe recipe_;
+  std::map<std::uint8_t, std::vector<SurfaceChunk>> surfaces_;  ///< Of the labels as they are.
+  std::set<std::uint8_t> previewed_;  ///< Whose drawn surface is a preview's.
+  bool unsaved_ = false;
   std::vector<Instrument> instruments_;
   std::vector<Material> materials_;
   std::future<DeviceList> devices_;
@@ -106,6 +138,7 @@ class Desktop {
   Histogram frames_;  ///< Of a soak: what a frame takes.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;
+  LabelWorker labelWorker_;
   JobQueue jobs_;  // last: its thread ends before what it reads goes
 };
 

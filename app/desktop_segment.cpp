@@ -1,234 +1,311 @@
-/// Labels of the open case: made, removed, undone; then their surface and the scene to feel.
+/// Labels of the open case: previewed, made, edited, undone; then drawn, saved and made ready to
+/// feel.
 
 #include <algorithm>
 
 #include "app/desktop_loop.h"
-#include "app/scene_loading.h"
-#include "imaging/segmentation.h"
+#include "imaging/segment/case_recipe.h"
+#include "ui/format.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kUndoSteps = 10;
+constexpr std::size_t kUndoSteps = 30;
 
-/// The value of the label of that name, else the smallest that is free; 0: none is.
-std::uint8_t valueFor(const LabelTable& table, const std::string& name) {
-  for (const LabelInfo& label : table) {
-    if (label.name == name) return label.value;
-  }
-  for (int value = 1; value < 256; ++value) {
-    const bool taken = std::any_of(table.begin(), table.end(),
-                                   [value](const LabelInfo& l) { return l.value == value; });
-    if (!taken) return static_cast<std::uint8_t>(value);
-  }
-  return 0;
-}
-
-/// Labels and table on disk; a table without labels removes both files.
+/// Labels, table and recipe on disk; a table without labels removes the files.
 Result<void> writeLabels(const std::filesystem::path& folder, const LabelGrid* labels,
-                         const LabelTable& table) {
-  if (labels != nullptr && !table.empty()) return writeCaseLabels(folder, *labels, table);
+                         const LabelTable& table, const CaseRecipe& recipe) {
+  if (labels != nullptr && !table.empty()) {
+    if (auto written = writeCaseLabels(folder, *labels, table); !written) return written;
+    return writeCaseRecipe(folder, recipe);
+  }
   std::error_code error;
-  std::filesystem::remove(folder / "labels.mha", error);
-  std::filesystem::remove(folder / "labels.toml", error);
-  if (error) {
-    return fail(machineError("The labels could not be removed.").inFile(folder.string()));
+  for (const char* file : {"labels.mha", "labels.toml", kCaseRecipe}) {
+    std::filesystem::remove(folder / file, error);
+    if (error) {
+      return fail(machineError("The labels could not be removed.").inFile(folder.string()));
+    }
   }
   return {};
 }
 
-}  // namespace
-
-void Desktop::readDatasets() {
-  auto instruments = readInstruments(options_.datasets / "instruments");
-  if (!instruments) {
-    complain(instruments.error(), "No instrument can be chosen.");
-  } else {
-    instruments_ = std::move(*instruments);
-  }
-  auto materials = readMaterials(options_.datasets / "materials.toml");
-  if (!materials) {
-    complain(materials.error(), "Nothing can be felt without materials.");
-  } else {
-    materials_ = std::move(*materials);
-  }
-  for (const Instrument& instrument : instruments_) {
-    model_.simulate.instruments.push_back(describeInstrument(instrument));
-  }
+std::string describe(const LabelStep& step) {
+  return toolTitle(step.tool) + ", " + step.label;
 }
 
-void Desktop::segmentTissue(const ui::act::Segment& wish) {
-  if (!open_ || jobs_.busy()) return;
-  stopRun();
-  const std::uint8_t value = valueFor(open_->table, wish.label);
-  if (value == 0) {
-    complain(usageError("The case already has 255 labels.").advise("Remove one first."));
+/// "bone: 432,952 voxels (1,203 fewer)"
+std::string compared(const LabelStep& step, const LabelState& before, const LabelState& after) {
+  const auto count = [&step](const LabelState& state) -> std::int64_t {
+    for (const LabelInfo& row : state.table) {
+      if (row.name != step.label) continue;
+      return std::count(state.labels.labels.begin(), state.labels.labels.end(), row.value);
+    }
+    return 0;
+  };
+  const std::int64_t was = count(before), is = count(after);
+  const auto many = [](std::int64_t n) { return ui::grouped(static_cast<std::uint64_t>(n)); };
+  const std::string change = is > was   ? many(is - was) + " more"
+                             : is < was ? many(was - is) + " fewer"
+                                        : std::string("no change");
+  return "Preview: " + many(is) + " voxels, " + change;
+}
+
+}  // namespace
+
+SharedLabels Desktop::currentLabels() const {
+  auto state = std::make_shared<LabelState>();
+  if (open_ && open_->labels) state->labels = *open_->labels;
+  if (open_) state->table = open_->table;
+  return state;
+}
+
+int Desktop::meshStep() const {
+  // Software rendering is bound by vertices: half the resolution is a quarter of them.
+  return window_->softwareRendering() && open_->volume->size() > 12'000'000 ? 2 : 1;
+}
+
+void Desktop::openLabels() {
+  undo_.clear();
+  redo_.clear();
+  surfaces_.clear();
+  unsaved_ = false;
+  recipe_ = readCaseRecipe(open_->folder);
+  if (open_->labels && recipe_.steps.empty()) recipe_.whole = false;
+  const SharedLabels state = currentLabels();
+  labelWorker_.open(open_->volume, state, meshStep());
+  workspace_->clearSurfaces();
+  workspace_->segment() = {};
+  model_.segment.previewShown = false;
+  model_.segment.previewText.clear();
+  takeLabels(state);
+  if (open_->labels && !open_->table.empty()) meshLabels();
+}
+
+void Desktop::takeLabels(const SharedLabels& state) {
+  const bool some = !state->labels.labels.empty() && !state->table.empty();
+  open_->labels = some ? std::shared_ptr<const LabelGrid>(state, &state->labels) : nullptr;
+  open_->table = state->table;
+  shown_ = state;
+  model_.segment.labels = rowsOf(*state);
+  model_.segment.previewShown = false;
+  describeUndo();
+  workspace_->showLabels(open_->labels);
+  workspace_->showRows(model_.segment.labels);
+  workspace_->keepSurfaces(model_.segment.labels);
+  std::erase_if(surfaces_, [this](const auto& entry) {
+    return std::none_of(model_.segment.labels.begin(), model_.segment.labels.end(),
+                        [&entry](const ui::LabelRow& row) { return row.value == entry.first; });
+  });
+  model_.simulate.accuracy.clear();
+  if (some) return prepare();
+  if (simulation_.running()) stopRun();
+  simulation_.setScene(nullptr);
+  model_.simulate.notReady = "Nothing is labelled yet, so there is nothing to feel.";
+}
+
+std::vector<ui::LabelRow> Desktop::rowsOf(const LabelState& state) const {
+  std::vector<ui::LabelRow> rows = labelRows(state);
+  for (ui::LabelRow& row : rows) {
+    for (const ui::LabelRow& shown : model_.segment.labels) {
+      if (shown.value == row.value) row.visible = shown.visible;
+    }
+  }
+  return rows;
+}
+
+void Desktop::describeUndo() {
+  model_.segment.undo = undo_.empty() ? std::string() : undo_.back().what;
+  model_.segment.redo = redo_.empty() ? std::string() : redo_.back().what;
+}
+
+void Desktop::pollLabels() {
+  while (auto outcome = labelWorker_.poll()) takeOutcome(*outcome);
+  model_.segment.previewing = labelWorker_.previewing();
+}
+
+void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
+  using Kind = LabelWorker::Kind;
+  if (!open_) return;
+  if (outcome.kind == Kind::Surfaces) return takeSurfaces(outcome);
+  if (outcome.kind == Kind::Preview) return takePreview(outcome);
+  if (!outcome.labels) {
+    restoring_ = Restoring::No;
+    dropPreview();
+    return complain(outcome.error, "The labels are as they were.");
+  }
+  const UndoEntry past{outcome.before, outcome.before->table, "", recipe_};
+  if (outcome.kind == Kind::Step) {
+    undo_.push_back(past);
+    undo_.back().what = describe(outcome.step);
+    if (undo_.size() > kUndoSteps) undo_.erase(undo_.begin());
+    redo_.clear();
+    recipe_.steps.push_back(outcome.step);
+  } else {
+    moveBetween(past);
+  }
+  takeLabels(outcome.labels);
+  saveLabels();
+}
+
+/// The newest of one stack was carried out: it becomes the newest of the other.
+void Desktop::moveBetween(UndoEntry past) {
+  auto& from = restoring_ == Restoring::Undo ? undo_ : redo_;
+  auto& to = restoring_ == Restoring::Undo ? redo_ : undo_;
+  restoring_ = Restoring::No;
+  if (from.empty()) return;
+  past.what = from.back().what;
+  recipe_ = from.back().recipe;
+  from.pop_back();
+  to.push_back(std::move(past));
+}
+
+void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
+  ui::SegmentModel& segment = model_.segment;
+  segment.previewRefused = outcome.labels == nullptr;
+  if (segment.previewRefused) {
+    const bool stopped = outcome.error.kind == ErrorKind::Cancelled;
+    segment.previewText = stopped ? std::string() : sentence(outcome.error);
     return;
   }
-  LabelTable table = open_->table;
-  const auto same = [&wish](const LabelInfo& l) { return l.name == wish.label; };
-  if (std::none_of(table.begin(), table.end(), same)) {
-    table.push_back({wish.label, value, wish.colour, wish.material});
+  segment.previewText = compared(outcome.step, *shown_, *outcome.labels);
+  segment.previewShown = true;
+  workspace_->showLabels(std::shared_ptr<const LabelGrid>(outcome.labels, &outcome.labels->labels));
+  workspace_->showRows(rowsOf(*outcome.labels));
+}
+
+void Desktop::takeSurfaces(LabelWorker::Outcome& outcome) {
+  for (LabelSurface& surface : outcome.surfaces) {
+    workspace_->showSurface(surface.value, surface.chunks);
+    if (outcome.surfacesOfPreview) {
+      previewed_.insert(surface.value);
+    } else {
+      previewed_.erase(surface.value);
+      surfaces_[surface.value] = std::move(surface.chunks);
+    }
   }
-  jobs_.add("Segmenting " + wish.label,
-            [this, wish, value, table, volume = open_->volume, before = open_->labels,
-             folder = open_->folder](const Progress& progress) {
-              auto made = segment(*volume, before.get(), value, wish.request, progress);
-              Result<void> written;
-              std::shared_ptr<const LabelGrid> labels;
-              if (made) {
-                labels = std::make_shared<const LabelGrid>(std::move(*made));
-                progress(0.95, "Saving the labels");
-                written = writeLabels(folder, labels.get(), table);
-              }
-              return [this, labels, table, wish, written, error = made ? Error{} : made.error(),
-                      ok = made.has_value()] {
-                if (!ok) return complain(error, "The labels of the case are as they were.");
-                if (!written)
-                  return complain(written.error(), "The labels of the case are as they were.");
-                undo_.push_back({open_->labels, open_->table, wish.label});
-                if (undo_.size() > kUndoSteps) undo_.erase(undo_.begin());
-                replaceLabels(labels, table);
+  const SharedLabels& drawn = outcome.labels;
+  workspace_->showRows(outcome.surfacesOfPreview ? rowsOf(*drawn) : model_.segment.labels);
+  workspace_->frameSurfaces();
+}
+
+void Desktop::dropPreview() {
+  labelWorker_.dropPreview();
+  ui::SegmentModel& segment = model_.segment;
+  segment.previewText.clear();
+  segment.previewRefused = false;
+  if (segment.previewShown) workspace_->showLabels(open_ ? open_->labels : nullptr);
+  segment.previewShown = false;
+  for (const std::uint8_t value : previewed_) {
+    const auto own = surfaces_.find(value);
+    workspace_->showSurface(value,
+                            own == surfaces_.end() ? std::vector<SurfaceChunk>{} : own->second);
+  }
+  previewed_.clear();
+  workspace_->keepSurfaces(segment.labels);
+  workspace_->showRows(segment.labels);
+}
+
+void Desktop::applyStepNow(const LabelStep& step) {
+  if (!open_) return;
+  model_.segment.previewText.clear();
+  labelWorker_.commit(step);
+}
+
+void Desktop::editLabel(const ui::act::EditLabel& wish) {
+  if (!open_ || labelWorker_.busy()) return;
+  LabelTable table = open_->table;
+  const auto row = std::find_if(table.begin(), table.end(),
+                                [&](const LabelInfo& l) { return l.value == wish.value; });
+  if (row == table.end()) return;
+  const auto same = [&](const LabelInfo& l) {
+    return l.name == wish.name && l.value != wish.value;
+  };
+  if (std::any_of(table.begin(), table.end(), same)) {
+    return complain(usageError("Another label has that name.").advise("Choose another name."));
+  }
+  dropPreview();
+  undo_.push_back({nullptr, open_->table, "Edit, " + row->name, recipe_});
+  redo_.clear();
+  renameLabel(recipe_.steps, row->name, wish.name);
+  *row = {wish.name, wish.value, wish.colour, wish.material};
+  setTable(table);
+}
+
+void Desktop::setTable(const LabelTable& table) {
+  labelWorker_.setTable(table);
+  auto state = std::make_shared<LabelState>(*currentLabels());
+  state->table = table;
+  takeLabels(state);
+  saveLabels();
+}
+
+void Desktop::restore(Restoring which) {
+  auto& from = which == Restoring::Undo ? undo_ : redo_;
+  if (from.empty() || !open_ || labelWorker_.busy()) return;
+  dropPreview();
+  restoring_ = which;
+  if (from.back().state) return labelWorker_.restore(from.back().state);
+  const LabelTable table = from.back().table;
+  moveBetween({nullptr, open_->table, "", recipe_});
+  setTable(table);
+}
+
+void Desktop::saveLabels() {
+  unsaved_ = true;
+  jobs_.addLatest(
+      "Saving the labels", [this, labels = open_->labels, table = open_->table, recipe = recipe_,
+                            folder = open_->folder](const Progress& progress) {
+        progress(0.2, "Writing labels.mha");
+        const Result<void> written = writeLabels(folder, labels.get(), table, recipe);
+        return [this, labels, written] {
+          if (!written) {
+            return complain(written.error(), "The labels are in memory only: save them elsewhere.");
+          }
+          if (open_ && open_->labels == labels) unsaved_ = false;
+        };
+      });
+}
+
+void Desktop::saveBeforeClosing() {
+  labelWorker_.finish();
+  pollLabels();
+  if (!open_ || !unsaved_) return;
+  (void)writeLabels(open_->folder, open_->labels.get(), open_->table, recipe_);
+  unsaved_ = false;
+}
+
+void Desktop::meshLabels() {
+  jobs_.add("Drawing the surface",
+            [this, step = meshStep(), labels = open_->labels, table = open_->table,
+             volume = open_->volume](const Progress& progress) {
+              auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
+                  surfacesOf(*labels, table, *volume, step, progress));
+              return [this, surfaces, labels] {
+                if (!open_ || open_->labels != labels) return;
+                if (!*surfaces)
+                  return complain(surfaces->error(), "The slices and the feel are unaffected.");
+                for (LabelSurface& surface : **surfaces) {
+                  workspace_->showSurface(surface.value, surface.chunks);
+                  surfaces_[surface.value] = std::move(surface.chunks);
+                }
+                workspace_->showRows(model_.segment.labels);
+                workspace_->frameSurfaces();
               };
             });
 }
 
-void Desktop::deleteLabel(std::uint8_t value) {
-  if (!open_ || !open_->labels || jobs_.busy()) return;
-  stopRun();
-  LabelTable table = open_->table;
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [value](const LabelInfo& l) { return l.value == value; });
-  if (found == table.end()) return;
-  const std::string name = found->name;
-  table.erase(found);
-  jobs_.add("Removing " + name, [this, value, name, table, before = open_->labels,
-                                 folder = open_->folder](const Progress& progress) {
-    progress(0.1, "Clearing its voxels");
-    LabelGrid grid = *before;
-    std::replace(grid.labels.begin(), grid.labels.end(), value, std::uint8_t{0});
-    const auto labels = std::make_shared<const LabelGrid>(std::move(grid));
-    progress(0.5, "Saving the labels");
-    const Result<void> written = writeLabels(folder, labels.get(), table);
-    return [this, labels, table, name, written] {
-      if (!written) return complain(written.error(), "The label is still there.");
-      undo_.push_back({open_->labels, open_->table, "removing " + name});
-      replaceLabels(table.empty() ? nullptr : labels, table);
-    };
-  });
+/// What was only previewed is not what the other tasks show.
+void Desktop::leaveSegment() {
+  dropPreview();
+  workspace_->segment().sentKey.clear();
 }
 
-void Desktop::undo() {
-  if (undo_.empty() || !open_ || jobs_.busy()) return;
-  stopRun();
-  const LabelState state = undo_.back();
-  jobs_.add("Undoing", [this, state, folder = open_->folder](const Progress& progress) {
-    progress(0.2, "Saving the labels");
-    const Result<void> written = writeLabels(folder, state.labels.get(), state.table);
-    return [this, state, written] {
-      if (!written) return complain(written.error(), "Nothing was undone.");
-      undo_.pop_back();
-      replaceLabels(state.labels, state.table);
-    };
-  });
-}
-
-void Desktop::replaceLabels(std::shared_ptr<const LabelGrid> labels, LabelTable table) {
-  open_->labels = std::move(labels);
-  open_->table = std::move(table);
-  labelsChanged();
-}
-
-void Desktop::labelsChanged() {
-  workspace_->showLabels(open_->labels.get());
-  model_.segment.labels = labelRows(*open_);
-  model_.segment.undo = undo_.empty() ? std::string() : undo_.back().what;
-  workspace_->clearSurfaces();
-  workspace_->showRows(model_.segment.labels);
-  simulation_.setScene(nullptr);
-  model_.simulate.accuracy.clear();
-  model_.simulate.notReady = "Nothing is labelled yet, so there is nothing to feel.";
-  if (!open_->labels || open_->table.empty()) return;
-  meshLabels();
-  prepare();
-}
-
-void Desktop::meshLabels() {
-  // Software rendering is bound by vertices: half the resolution is a quarter of them.
-  const int step = window_->softwareRendering() && open_->volume->size() > 12'000'000 ? 2 : 1;
-  jobs_.add("Drawing the surface", [this, step, labels = open_->labels, table = open_->table,
-                                    volume = open_->volume](const Progress& progress) {
-    auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
-        surfacesOf(*labels, table, *volume, step, progress));
-    return [this, surfaces, labels] {
-      if (!open_ || open_->labels != labels) return;
-      if (!*surfaces) return complain(surfaces->error(), "The slices and the feel are unaffected.");
-      for (const LabelSurface& surface : **surfaces) {
-        workspace_->showSurface(surface.value, surface.chunks);
-      }
-      workspace_->showRows(model_.segment.labels);
-      workspace_->frameSurfaces();
-    };
-  });
-}
-
-namespace {
-
-/// A body that cannot be drawn is still felt; it is left out of the picture.
-std::vector<ui::BodySurface> bodySurfacesOf(const PreparedScene& scene, const Progress& progress) {
-  std::vector<ui::BodySurface> surfaces;
-  for (const PreparedBody& body : scene.bodies) {
-    ui::BodySurface& surface = surfaces.emplace_back();
-    surface.label = body.label;
-    for (const LabelInfo& row : scene.table) {
-      if (row.value == body.label) surface.colour = row.colour;
-    }
-    auto chunks = meshLabel(*body.voxels, body.label, 1, progress);
-    if (chunks) surface.chunks = std::move(*chunks);
-  }
-  return surfaces;
-}
-
-}  // namespace
-
-void Desktop::prepare() {
-  if (!open_ || !open_->labels || instruments_.empty() || materials_.empty()) return;
-  model_.simulate.notReady = "The anatomy is being made ready to feel.";
-  auto scene = loadSceneFile(open_->folder);
-  if (!scene) {
-    complain(scene.error(), "The case's own scene is not used; the default is.");
-    scene = defaultScene();
-  }
-  if (!sceneInstrument_.empty()) scene->instrument = sceneInstrument_;
-  const auto named = std::find_if(instruments_.begin(), instruments_.end(),
-                                  [&](const auto& i) { return i.name == scene->instrument; });
-  const Instrument instrument = named == instruments_.end() ? instruments_.front() : *named;
-  scene->instrument = instrument.name;
-  for (std::size_t i = 0; i < instruments_.size(); ++i) {
-    if (instruments_[i].name == instrument.name) model_.simulate.instrument = i;
-  }
-  workspace_->showInstrument(instrument);
-  jobs_.add("Building the sphere tree", [this, scene = *scene, instrument, labels = open_->labels,
-                                         table = open_->table, materials = materials_,
-                                         folder = open_->folder](const Progress& progress) {
-    auto prepared = prepareScene(scene, labels, table, materials, instrument, progress, folder);
-    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
-    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
-    return [this, prepared, labels, bodies] {
-      if (!open_ || open_->labels != labels) return;
-      workspace_->showBodies(*bodies);
-      if (!prepared) {
-        model_.simulate.notReady = sentence(prepared.error());
-        if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
-        return;
-      }
-      simulation_.setScene(*prepared);
-      if (startAfterPrepare_) {
-        startAfterPrepare_ = false;
-        startStop();
-      }
-    };
-  });
+void Desktop::touchIt() {
+  leaveSegment();
+  model_.task = ui::Task::Simulate;
+  if (simulation_.running()) return;
+  if (simulation_.scene() != nullptr && !jobs_.busy()) return startStop();
+  startAfterPrepare_ = true;
 }
 
 }  // namespace palpate

@@ -32,6 +32,22 @@ void DesktopSimulation::setScene(std::shared_ptr<const PreparedScene> scene) {
   restSnapshot();
 }
 
+Result<void> DesktopSimulation::replaceScene(std::shared_ptr<const PreparedScene> scene) {
+  if (!running() || !scene) {
+    setScene(std::move(scene));
+    return {};
+  }
+  const Eigen::Isometry3d X_WH = scene_->X_WD * isometry(target_.pose_D);
+  const Clock clock = clock_;
+  setScene(std::move(scene));
+  if (auto started = start(clock, {}); !started) return started;
+  if (mouseHand_) {
+    target_.pose_D = plain(scene_->X_WD.inverse() * X_WH);
+    mouseHand_->follow(target_);
+  }
+  return {};
+}
+
 void DesktopSimulation::setDevice(const std::string& name,
                                   const std::optional<DeviceInfo>& hardware) {
   device_ = name;

@@ -25,6 +25,8 @@ class DesktopSimulation {
 
   /// Stops what runs and takes a new scene; null: none.
   void setScene(std::shared_ptr<const PreparedScene> scene);
+  /// As setScene(); what runs goes on in the new scene, the hand where it was, the force let go.
+  [[nodiscard]] Result<void> replaceScene(std::shared_ptr<const PreparedScene> scene);
   [[nodiscard]] const PreparedScene* scene() const noexcept { return scene_.get(); }
   [[nodiscard]] std::shared_ptr<const PreparedScene> shared() const noexcept { return scene_; }
 

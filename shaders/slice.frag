@@ -11,11 +11,17 @@ uniform vec2 windowRange;       // low, high
 uniform vec2 preview;           // threshold; low > high: none
 uniform vec3 previewColour;
 uniform float labelOpacity;
+uniform float edgeOpacity;      // of a label's outline; 0: none
 uniform vec2 viewSize;          // pixels
 uniform vec3 voxelOrigin;       // continuous voxel index at the view's top left corner
 uniform vec3 voxelRight;        // per pixel
 uniform vec3 voxelDown;
 uniform vec3 dims;
+
+uint labelAt(vec3 voxel) {
+  ivec3 at = clamp(ivec3(floor(voxel + 0.5)), ivec3(0), ivec3(dims) - 1);
+  return texelFetch(labels, at, 0).r;
+}
 
 void main() {
   // The picture is stored top row first: row 0 of the texture is the top of the view.
@@ -31,7 +37,13 @@ void main() {
   if (hasLabels) {
     uint label = texelFetch(labels, ivec3(floor(voxel + 0.5)), 0).r;
     vec4 tint = texelFetch(palette, ivec2(int(label), 0), 0);
-    c = mix(c, tint.rgb, label == 0u ? 0.0 : tint.a * labelOpacity);
+    // A label's edge, one pixel wide, is drawn plainly: bone on bright bone is hard to see.
+    bool edge = label != 0u && (labelAt(voxel + voxelRight) != label ||
+                                labelAt(voxel - voxelRight) != label ||
+                                labelAt(voxel + voxelDown) != label ||
+                                labelAt(voxel - voxelDown) != label);
+    float opacity = edge ? max(edgeOpacity, labelOpacity) : labelOpacity;
+    c = mix(c, tint.rgb, label == 0u ? 0.0 : tint.a * opacity);
   }
   if (preview.x <= preview.y && value >= preview.x && value <= preview.y) {
     c = mix(c, previewColour, 0.5);

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "imaging/segmentation.h"
+#include "imaging/segment/tools.h"
 #include "ui/model.h"
 
 namespace palpate::ui::act {
@@ -52,20 +52,29 @@ struct DismissMessage {
   std::size_t index;
 };
 
-struct Segment {
-  SegmentRequest request;
-  std::string label;
+/// Shows how the step would leave the labels; nothing changes.
+struct PreviewStep {
+  LabelStep step;
+};
+struct DropPreview {};
+struct ApplyStep {
+  LabelStep step;
+};
+/// Name, colour, material of a label.
+struct EditLabel {
+  std::uint8_t value;
+  std::string name;
   std::array<std::uint8_t, 3> colour;
   std::string material;
-};
-struct DeleteLabel {
-  std::uint8_t value;
 };
 struct ShowLabel {
   std::uint8_t value;
   bool visible;
 };
 struct Undo {};
+struct Redo {};
+/// From the labels to touching them.
+struct TouchIt {};
 
 struct ChooseInstrument {
   std::size_t index;
@@ -130,12 +139,13 @@ using Action =
     std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
                  act::Import, act::ImportSeries, act::CloseSeriesList, act::KeepNames,
                  act::ImportRepaired, act::MeasureAccuracy, act::CancelJob, act::DismissMessage,
-                 act::Segment, act::DeleteLabel, act::ShowLabel, act::Undo, act::ChooseInstrument,
-                 act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop, act::Record,
-                 act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
-                 act::TurnHand, act::SolverIterations, act::Coupling, act::ConfirmCalibration,
-                 act::Reconnect, act::RefreshSessions, act::ChooseSession, act::Replay,
-                 act::PlayPause, act::Scrub, act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
+                 act::PreviewStep, act::DropPreview, act::ApplyStep, act::EditLabel, act::ShowLabel,
+                 act::Undo, act::Redo, act::TouchIt, act::ChooseInstrument, act::ChooseDevice,
+                 act::ChooseHand, act::Latch, act::StartStop, act::Record, act::ResetTool,
+                 act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand, act::TurnHand,
+                 act::SolverIterations, act::Coupling, act::ConfirmCalibration, act::Reconnect,
+                 act::RefreshSessions, act::ChooseSession, act::Replay, act::PlayPause, act::Scrub,
+                 act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
 using Actions = std::vector<Action>;
 
 }  // namespace palpate::ui

@@ -37,6 +37,19 @@ inline constexpr const char* kCompress = "\xef\x81\xa6";
 inline constexpr const char* kFilm = "\xef\x80\x88";
 inline constexpr const char* kChevronDown = "\xef\x81\xb8";
 inline constexpr const char* kAngleRight = "\xef\x84\x85";
+inline constexpr const char* kLeaf = "\xef\x81\xac";
+inline constexpr const char* kCircle = "\xef\x86\x92";
+inline constexpr const char* kTint = "\xef\x81\x83";
+inline constexpr const char* kBrush = "\xef\x87\xbc";
+inline constexpr const char* kEraser = "\xef\x84\xad";
+inline constexpr const char* kScissors = "\xef\x83\x84";
+inline constexpr const char* kCrop = "\xef\x84\xa5";
+inline constexpr const char* kFork = "\xef\x84\xa6";
+inline constexpr const char* kPlus = "\xef\x81\xa7";
+inline constexpr const char* kRedo = "\xef\x80\x9e";
+inline constexpr const char* kPencil = "\xef\x81\x80";
+inline constexpr const char* kTrash = "\xef\x87\xb8";
+inline constexpr const char* kHandUp = "\xef\x82\xa6";
 inline constexpr const char* kSun = "\xef\x86\x85";
 
 }  // namespace palpate::ui::icon

@@ -27,6 +27,7 @@ struct JobModel {
   std::string what;       ///< "Reading slice 41 of 108"
   double fraction = 0.0;  ///< [0, 1]; below 0: unknown
   bool cancellable = true;
+  double seconds = 1.0;  ///< Since it began: what is soon over is not shown.
 };
 
 /// What happened, what it means for the data, what to do.
@@ -91,11 +92,24 @@ struct LabelRow {
   std::size_t voxels = 0;
   double mm3 = 0.0;
   bool visible = true;
+  std::string material = "bone";
+};
+
+/// What a label may be made of (datasets/materials.toml).
+struct MaterialRow {
+  std::string name;
+  double stiffness_N_per_mm = 0.0, friction = 0.0, density_kg_per_m3 = 0.0;
+  bool critical = false;
 };
 
 struct SegmentModel {
   std::vector<LabelRow> labels;
-  std::string undo;  ///< What undo would take back; empty: nothing.
+  std::vector<MaterialRow> materials;
+  std::string undo, redo;     ///< What they would do; empty: nothing.
+  bool previewing = false;    ///< A preview is being made.
+  bool previewShown = false;  ///< The views show how it would be.
+  std::string previewText;    ///< "bone: 432,952 voxels (-1,203)", or why there is none.
+  bool previewRefused = false;
 };
 
 struct InstrumentRow {

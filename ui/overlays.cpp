@@ -32,7 +32,8 @@ void endCard() {
 }  // namespace
 
 void drawJob(const Painter& paint, const Rect& area, const JobModel& job) {
-  if (!job.active) return;
+  constexpr double kSoon_s = 0.4;
+  if (!job.active || job.seconds < kSoon_s) return;
   const float width = std::min(paint.px(380.0F), area.w - paint.px(24.0F));
   const ImVec2 at(area.x + 0.5F * area.w, area.bottom() - paint.px(16.0F));
   if (beginCard(paint, "##job", at, {0.5F, 1.0F}, width)) {

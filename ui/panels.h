@@ -8,6 +8,7 @@
 
 #include "ui/gl_objects.h"
 #include "ui/model.h"
+#include "ui/segment_state.h"
 #include "ui/view_state.h"
 #include "ui/widgets.h"
 
@@ -21,20 +22,16 @@ struct LibraryPanelState {
   std::string path;
   bool browsing = false;
 };
-struct SegmentPanelState {
-  std::size_t preset = 0;
-  float low = 226, high = 3071;
-  bool largest = false, previewing = false;
-  float minMm3 = 0;
-  std::string name = "bone";
-  std::filesystem::path initialisedFor;
-};
-
 void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelState& state);
 /// The part of the Library panel where a study has several series.
 void drawSeriesList(const Painter& paint, const LibraryModel& library, Thumbnails& thumbnails);
+/// Labels, tools, the chosen tool's settings. `now`: seconds, monotonic.
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
-                      ViewState& views);
+                      ViewState& views, double now);
+/// The part of the Segment panel that lists and edits the labels.
+void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state);
+/// The part of the Segment panel with the chosen tool's settings.
+void drawToolSettings(const Painter& paint, const Model& model, SegmentPanelState& state);
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);
 /// The part of the Simulate panel that chooses the device and says how it is.
 void drawDevice(const Painter& paint, const SimulateModel& simulate);

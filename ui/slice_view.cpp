@@ -57,6 +57,7 @@ void SliceView::render(const Inputs& inputs, const VolumeTextures& textures,
                                          static_cast<float>(inputs.preview[1])));
   program.set("previewColour", Eigen::Vector3f(theme.accent.x, theme.accent.y, theme.accent.z));
   program.set("labelOpacity", inputs.opacity);
+  program.set("edgeOpacity", inputs.edge);
   program.set("viewSize",
               Eigen::Vector2f(static_cast<float>(inputs.width), static_cast<float>(inputs.height)));
   const GridGeometry& grid = textures.grid();
@@ -70,7 +71,7 @@ void SliceView::render(const Inputs& inputs, const VolumeTextures& textures,
 }
 
 bool SliceView::interact(const Rect& area, const VolumeTextures& textures, ViewState& state,
-                         const SlicePlane& plane, const SliceFit& fit, float scale) {
+                         const SlicePlane& plane, const SliceFit& fit, bool taken, float scale) {
   const GridGeometry& grid = textures.grid();
   ImGuiIO& io = ImGui::GetIO();
   SliceState& own = state.slice[static_cast<std::size_t>(view_)];
@@ -78,7 +79,7 @@ bool SliceView::interact(const Rect& area, const VolumeTextures& textures, ViewS
                               static_cast<double>(io.MousePos.y - area.y));
   const double slice = voxelOf(grid, state.crosshair_P)[plane.through];
   if (ImGui::IsItemHovered()) {
-    if (ImGui::IsMouseDoubleClicked(0)) return true;
+    if (!taken && ImGui::IsMouseDoubleClicked(0)) return true;
     if (io.MouseWheel != 0.0F && io.KeyCtrl) {
       own.zoom =
           std::clamp(own.zoom * std::pow(1.15, static_cast<double>(io.MouseWheel)), 0.5, 20.0);
@@ -92,7 +93,7 @@ bool SliceView::interact(const Rect& area, const VolumeTextures& textures, ViewS
     }
   }
   if (!ImGui::IsItemActive()) return false;
-  if (ImGui::IsMouseDown(0)) {
+  if (ImGui::IsMouseDown(0) && !taken) {
     Eigen::Vector3d v = fit.toVoxel(grid, plane, mouse, slice);
     for (int a = 0; a < 3; ++a) {
       v[a] = std::clamp(v[a], 0.0, static_cast<double>(grid.dims[static_cast<std::size_t>(a)] - 1));
@@ -113,7 +114,7 @@ bool SliceView::interact(const Rect& area, const VolumeTextures& textures, ViewS
 
 bool SliceView::draw(const Rect& area, const VolumeTextures& textures, const GlProgram& program,
                      ViewState& state, const PlacedMesh& tool, const Snapshot* snapshot,
-                     const Theme& theme, ImFont* small, float scale) {
+                     const SliceTool& edit, const Theme& theme, ImFont* small, float scale) {
   if (area.w < 1.0F || area.h < 1.0F) return false;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 low(area.x, area.y);
@@ -135,22 +136,26 @@ bool SliceView::draw(const Rect& area, const VolumeTextures& textures, const GlP
                     own.pan);
   };
   SliceFit fit = fitNow();
-  const bool doubled = interact(area, textures, state, plane, fit, scale);
+  const auto sliceNow = [&] {
+    // Whole slices: between two the scanner measured nothing.
+    return std::clamp(std::round(voxelOf(grid, state.crosshair_P)[plane.through]), 0.0,
+                      static_cast<double>(grid.dims[static_cast<std::size_t>(plane.through)] - 1));
+  };
+  const bool taken = edit.takes && edit.takes(area, plane, fit, sliceNow());
+  const bool doubled = interact(area, textures, state, plane, fit, taken, scale);
   fit = fitNow();
 
   Inputs inputs;
   inputs.textures = textures.version();
   inputs.width = static_cast<int>(area.w);
   inputs.height = static_cast<int>(area.h);
-  // Whole slices: between two the scanner measured nothing.
-  inputs.slice =
-      std::clamp(std::round(voxelOf(grid, state.crosshair_P)[plane.through]), 0.0,
-                 static_cast<double>(grid.dims[static_cast<std::size_t>(plane.through)] - 1));
+  inputs.slice = sliceNow();
   inputs.zoom = own.zoom;
   inputs.pan = own.pan;
   inputs.window = state.window;
   if (state.preview) inputs.preview = {state.preview->low, state.preview->high};
   inputs.opacity = state.labelOpacity;
+  inputs.edge = state.edgeOpacity;
   inputs.interpolate = state.interpolate;
   if (!(inputs == last_) || rendered_ == 0) {
     render(inputs, textures, program, plane, fit, theme);
@@ -163,6 +168,7 @@ bool SliceView::draw(const Rect& area, const VolumeTextures& textures, const GlP
   drawCrosshair(over, state.crosshair_P);
   drawInstrumentOutline(over, tool);
   if (snapshot != nullptr) drawSliceContacts(over, *snapshot);
+  if (edit.draws) edit.draws(over);
   drawCorners(over, view_, state);
   list->PopClipRect();
   return doubled;

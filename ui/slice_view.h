@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "core/simulation/snapshot.h"
@@ -14,6 +15,8 @@
 #include "ui/volume_textures.h"
 
 namespace palpate::ui {
+
+struct SliceOverlay;
 
 /// The instrument's mesh where it is now, P metres; for its outline in the slices.
 struct PlacedMesh {
@@ -27,6 +30,13 @@ struct PlacedMesh {
                                                                        const GridGeometry& grid,
                                                                        int axis, double slice);
 
+/// What a tool does in a slice: `takes` reads the mouse, right after the view's button, and says
+/// whether the left one is the tool's; `draws` shows what was picked or drawn.
+struct SliceTool {
+  std::function<bool(const Rect&, const SlicePlane&, const SliceFit&, double slice)> takes;
+  std::function<void(const SliceOverlay&)> draws;
+};
+
 class SliceView {
  public:
   explicit SliceView(View view) noexcept : view_(view) {}
@@ -34,8 +44,8 @@ class SliceView {
   /// Draws into `area` and reads the mouse over it: wheel scrolls, left sets the crosshair, right
   /// is window/level, middle pans, ctrl + wheel zooms. True when it was double-clicked.
   bool draw(const Rect& area, const VolumeTextures& textures, const GlProgram& program,
-            ViewState& state, const PlacedMesh& tool, const Snapshot* snapshot, const Theme& theme,
-            ImFont* small, float scale);
+            ViewState& state, const PlacedMesh& tool, const Snapshot* snapshot,
+            const SliceTool& edit, const Theme& theme, ImFont* small, float scale);
 
   [[nodiscard]] int rendered() const noexcept { return rendered_; }  ///< Pictures made so far.
 
@@ -47,14 +57,14 @@ class SliceView {
     Eigen::Vector2d pan{0, 0};
     std::array<double, 2> window{0, 0};
     std::array<double, 2> preview{1, 0};
-    float opacity = 0;
+    float opacity = 0, edge = 0;
     bool interpolate = true;
     bool operator==(const Inputs&) const = default;
   };
   void render(const Inputs& inputs, const VolumeTextures& textures, const GlProgram& program,
               const SlicePlane& plane, const SliceFit& fit, const Theme& theme);
   bool interact(const Rect& area, const VolumeTextures& textures, ViewState& state,
-                const SlicePlane& plane, const SliceFit& fit, float scale);
+                const SlicePlane& plane, const SliceFit& fit, bool taken, float scale);
 
   View view_;
   Inputs last_;

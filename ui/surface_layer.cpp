@@ -45,6 +45,14 @@ void SurfaceLayer::setLoose(const std::vector<std::uint8_t>& values) {
   ++version_;
 }
 
+void SurfaceLayer::keep(const std::vector<LabelRow>& rows) {
+  const auto gone = std::erase_if(labels_, [&rows](const auto& entry) {
+    return std::none_of(rows.begin(), rows.end(),
+                        [&entry](const LabelRow& row) { return row.value == entry.first; });
+  });
+  if (gone > 0) ++version_;
+}
+
 void SurfaceLayer::clear() {
   labels_.clear();
   ++version_;

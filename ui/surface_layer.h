@@ -22,6 +22,8 @@ class SurfaceLayer {
   void setLabel(std::uint8_t value, const std::vector<SurfaceChunk>& chunks,
                 const Eigen::Vector3d& origin_mm);
   void clear();
+  /// Labels that are not in `rows` go.
+  void keep(const std::vector<LabelRow>& rows);
   void setRows(const std::vector<LabelRow>& rows);
   /// These labels are drawn as loose bodies, not here.
   void setLoose(const std::vector<std::uint8_t>& values);

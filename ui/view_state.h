@@ -29,6 +29,7 @@ struct ViewState {
   bool interpolate = true;
   bool followTool = true;  ///< Slices pass through the instrument's tip while it is held.
   float labelOpacity = 0.28F;
+  float edgeOpacity = 0.0F;  ///< Of the labels' outlines in the slices.
   std::optional<ThresholdRange> preview;
 };
 

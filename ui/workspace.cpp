@@ -8,6 +8,7 @@
 #include "ui/icons.h"
 #include "ui/scene_overlay.h"
 #include "ui/strip.h"
+#include "ui/view_edit.h"
 
 namespace palpate::ui {
 
@@ -35,11 +36,12 @@ void Workspace::showVolume(const Volume& volume) {
   scene_->surface().clear();
 }
 
-void Workspace::showLabels(const LabelGrid* labels) {
-  if (labels == nullptr) {
+void Workspace::showLabels(std::shared_ptr<const LabelGrid> labels) {
+  labels_ = std::move(labels);
+  if (labels_ == nullptr || labels_->labels.empty()) {
     textures_.dropLabels();
   } else {
-    textures_.setLabels(*labels);
+    textures_.setLabels(*labels_);
   }
 }
 
@@ -69,6 +71,10 @@ void Workspace::frameSurfaces() {
   startCamera_ = state_.camera;
 }
 
+void Workspace::keepSurfaces(const std::vector<LabelRow>& rows) {
+  scene_->surface().keep(rows);
+}
+
 void Workspace::clearSurfaces() {
   showBodies({});
   scene_->surface().clear();
@@ -80,6 +86,7 @@ void Workspace::showInstrument(const Instrument& instrument) {
 }
 
 void Workspace::clearCase() {
+  labels_.reset();
   textures_.clear();
   showBodies({});
   scene_->surface().clear();
@@ -117,6 +124,10 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       centreOn(position(model.snapshot->tool));
     } else if (key == "a" && model.simulate.latch && model.simulate.running) {
       actions.push_back(act::Arm{!model.simulate.armed});
+    } else if (key == "z" && window.keyHeld("ctrl")) {
+      actions.push_back(act::Undo{});
+    } else if (key == "y" && window.keyHeld("ctrl")) {
+      actions.push_back(act::Redo{});
     } else if (key == "v") {
       state_.volumeRendering = !state_.volumeRendering;
     } else if (key == "?") {
@@ -159,7 +170,7 @@ PlacedMesh Workspace::placedTool(const Model& model) const {
   return placed;
 }
 
-void Workspace::drawPanel(const Painter& paint, const Model& model) {
+void Workspace::drawPanel(const Painter& paint, const Model& model, double now) {
   const Rect& area = layout_.panel;
   if (area.w < 1.0F || area.h < 1.0F) return;
   ImGui::GetWindowDrawList()->AddRectFilled({area.x, area.y}, {area.right(), area.bottom()},
@@ -177,7 +188,7 @@ void Workspace::drawPanel(const Painter& paint, const Model& model) {
       drawLibraryPanel(paint, model, library_);
       break;
     case Task::Segment:
-      drawSegmentPanel(paint, model, segment_, state_);
+      drawSegmentPanel(paint, model, segment_, state_, now);
       break;
     case Task::Simulate:
       drawSimulatePanel(paint, model, spaceHolds_);
@@ -265,11 +276,15 @@ void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& m
   const bool mouseHand =
       model.simulate.running && model.simulate.hand == HandKind::Mouse && model.snapshot != nullptr;
   const bool holding = mouseHand && (model.simulate.grabbed || shift);
-  if (interactWithScene(state_.camera, area, holding, paint.actions)) {
+  const bool edits = model.task == Task::Segment && model.openCase.open;
+  const bool taken = edits && editInScene(segment_, state_.camera, area, labels_.get(),
+                                          hiddenLabels(model), paint.actions);
+  if (!taken && interactWithScene(state_.camera, area, holding, paint.actions)) {
     fill(state_.filled ? std::nullopt : std::optional(View::Scene));
   }
   gripped_ = holding && ImGui::IsItemActive() && ImGui::IsMouseDown(0);
   scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
+  if (edits) drawEditInScene(segment_, state_.camera, area, paint.theme, paint.scale);
   if (holding) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     ImGui::GetWindowDrawList()->AddRect({area.x + 1, area.y + 1},
@@ -280,8 +295,29 @@ void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& m
   drawSceneTools(paint, area, model);
 }
 
+std::vector<std::uint8_t> Workspace::hiddenLabels(const Model& model) const {
+  std::vector<std::uint8_t> hidden;
+  for (const LabelRow& row : model.segment.labels) {
+    if (!row.visible) hidden.push_back(row.value);
+  }
+  return hidden;
+}
+
+SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view) {
+  if (model.task != Task::Segment || !model.openCase.open) return {};
+  SliceTool tool;
+  tool.takes = [this, &paint, view](const Rect& area, const SlicePlane& plane, const SliceFit& fit,
+                                    double slice) {
+    const SliceMouse at{view, area, textures_.grid(), plane, fit, slice};
+    return editInSlice(segment_, at, paint.actions);
+  };
+  tool.draws = [this, view](const SliceOverlay& over) { drawEditInSlice(segment_, over, view); };
+  return tool;
+}
+
 void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, double now,
                           bool patient) {
+  state_.edgeOpacity = model.task == Task::Segment ? 0.9F : 0.0F;
   const auto shown = [this](View view) { return !state_.filled || *state_.filled == view; };
   if (shown(View::Scene)) {
     drawScene(paint, layout_.view[0], model, shift, now, patient);
@@ -297,7 +333,8 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
     const auto view = static_cast<View>(i + 1);
     if (!shown(view)) continue;
     if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool, model.snapshot,
-                        paint.theme, paint.fonts.secondary, paint.scale)) {
+                        toolFor(paint, model, view), paint.theme, paint.fonts.secondary,
+                        paint.scale)) {
       fill(state_.filled ? std::nullopt : std::optional(view));
     }
   }
@@ -322,7 +359,7 @@ Actions Workspace::draw(Window& window, const Model& model, double now, bool pat
                    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleVar(2);
   drawViews(paint, model, window.keyHeld("shift"), now, patient);
-  if (!state_.filled) drawPanel(paint, model);
+  if (!state_.filled) drawPanel(paint, model, now);
   drawHeader(paint, layout_.header, model);
   drawStrip(paint, layout_.strip, model);
   ImGui::End();

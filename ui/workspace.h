@@ -30,12 +30,15 @@ class Workspace {
       const std::filesystem::path& shaders);
 
   void showVolume(const Volume& volume);
-  void showLabels(const LabelGrid* labels);  ///< Null: none.
+  /// Null: none. Kept until it is replaced, to pick in the 3D view.
+  void showLabels(std::shared_ptr<const LabelGrid> labels);
   /// The scene's loose bodies; their labels are no longer drawn as anatomy. Empty: none.
   void showBodies(const std::vector<BodySurface>& bodies);
   void showRows(const std::vector<LabelRow>& rows);
   void showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks);
   void clearSurfaces();
+  /// Surfaces of labels that are not in `rows` go.
+  void keepSurfaces(const std::vector<LabelRow>& rows);
   /// Puts the camera on all surfaces, unless it was moved since the volume was shown.
   void frameSurfaces();
   void showInstrument(const Instrument& instrument);
@@ -46,7 +49,11 @@ class Workspace {
   [[nodiscard]] Actions draw(Window& window, const Model& model, double now, bool patient);
 
   /// A picture is still being made or a key moves something: draw again soon.
-  [[nodiscard]] bool busy() const { return scene_->refining(); }
+  [[nodiscard]] bool busy() const {
+    return scene_->refining() || segment_.wantedKey != segment_.sentKey;
+  }
+  /// What the Segment panel is set to; a new case or a refused step changes it.
+  [[nodiscard]] SegmentPanelState& segment() noexcept { return segment_; }
   [[nodiscard]] ViewState& views() noexcept { return state_; }
   [[nodiscard]] const std::map<std::string, Rect>& items() const noexcept { return items_; }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
@@ -60,7 +67,9 @@ class Workspace {
       : slices_{SliceView(View::Axial), SliceView(View::Coronal), SliceView(View::Sagittal)} {}
   void readKeys(Window& window, const Model& model, Actions& actions);
   void moveByKeys(const Window& window, const Model& model, Actions& actions) const;
-  void drawPanel(const Painter& paint, const Model& model);
+  void drawPanel(const Painter& paint, const Model& model, double now);
+  [[nodiscard]] SliceTool toolFor(const Painter& paint, const Model& model, View view);
+  [[nodiscard]] std::vector<std::uint8_t> hiddenLabels(const Model& model) const;
   void drawViews(const Painter& paint, const Model& model, bool shift, double now, bool patient);
   void drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift, double now,
                  bool patient);
@@ -76,6 +85,7 @@ class Workspace {
   GlProgram sliceProgram_;
   ViewState state_;
   Layout layout_;
+  std::shared_ptr<const LabelGrid> labels_;
   LibraryPanelState library_;
   SegmentPanelState segment_;
   TriangleMesh instrument_;

@@ -82,6 +82,7 @@ LabelTool readBrush(RecipeReader& step) {
 LabelTool readSplit(RecipeReader& step) {
   tool::Split tool;
   tool.by = static_cast<tool::Split::By>(step.has("by") ? step.choice("by", kBy) : 0);
+  tool.radius_mm = step.number("radius_mm", 0.0, 0.0);
   for (RecipeReader& part : step.tables("seeds")) {
     tool.seeds.push_back({part.text("label"), part.points("points")});
     part.refuseOthers();
@@ -100,7 +101,7 @@ LabelTool readCombine(RecipeReader& step) {
 
 const std::vector<std::string> kTools{"threshold", "grow",   "islands", "fill-holes",
                                       "margin",    "smooth", "box",     "scissors",
-                                      "brush",     "split",  "combine"};
+                                      "brush",     "split",  "combine", "remove"};
 static_assert(std::variant_size_v<LabelTool> == 12, "a tool needs a name, a reader and a writer");
 
 LabelTool readTool(RecipeReader& step, LabelStep& into) {
@@ -209,6 +210,7 @@ struct Writer {
   }
   void operator()(const tool::Split& t) const {
     out.insert("by", kBy[static_cast<std::size_t>(t.by)]);
+    out.insert("radius_mm", t.radius_mm);
     toml::array parts;
     for (const tool::Split::Seeds& seeds : t.seeds) {
       parts.push_back(

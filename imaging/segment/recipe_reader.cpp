@@ -173,8 +173,8 @@ std::vector<RecipeReader> RecipeReader::tables(const char* key) {
   const toml::node* found = node(key);
   const toml::array* array = found != nullptr ? found->as_array() : nullptr;
   if (array == nullptr || array->empty()) {
-    refuse(key, "The recipe has no " + std::string(key) + ".",
-           "at least one [[" + name(key) + "]]");
+    const std::string plural = std::string(key) == "step" ? "steps" : key;
+    refuse(key, "The recipe has no " + plural + ".", "at least one [[" + name(key) + "]]");
     return out;
   }
   for (std::size_t i = 0; i < array->size(); ++i) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <queue>
 
 #include "imaging/segment/apply.h"
@@ -54,10 +55,24 @@ class Flood {
   Flood(const Edit& edit, tool::Split::By by, MaskBlock& block)
       : edit_(edit), by_(by), block_(block) {}
 
-  /// A voxel of the grid that the seed starts from; false where the label is not.
-  bool start(const std::array<std::int32_t, 3>& v, std::uint8_t seed) {
+  /// A voxel of the grid that the seed starts from, with those around it; false where the label is
+  /// not. A seed is no barrier: whatever its own value, its neighbours come at theirs.
+  bool start(const std::array<std::int32_t, 3>& v, std::uint8_t seed, double radius_mm) {
     if (!within(v) || (at(v) & plane::kMask) == 0) return false;
-    if ((at(v) & plane::kA) == 0) take(v, seed, levelOf(edit_, by_, v));
+    const GridGeometry& g = edit_.geometry();
+    const VoxelBox around = grownBy({v, v}, radius_mm, g);
+    const double radius2 = radius_mm * radius_mm * (1.0 + 1e-9);
+    for (std::int32_t z = around.low[2]; z <= around.high[2]; ++z) {
+      for (std::int32_t y = around.low[1]; y <= around.high[1]; ++y) {
+        for (std::int32_t x = around.low[0]; x <= around.high[0]; ++x) {
+          const Eigen::Array3d apart(x - v[0], y - v[1], z - v[2]);
+          if ((apart * spacing_mm(g).array()).square().sum() > radius2) continue;
+          const std::array near{x, y, z};
+          if (!within(near) || (at(near) & (plane::kMask | plane::kA)) != plane::kMask) continue;
+          take(near, seed, -std::numeric_limits<double>::infinity());
+        }
+      }
+    }
     return true;
   }
 
@@ -122,6 +137,7 @@ Result<void> check(const tool::Split& tool) {
                     .wants("points in at least one label")
                     .advise("Click on each part."));
   }
+  if (auto fits = within(tool.radius_mm, 0.0, 50.0, "radius_mm"); !fits) return fits;
   if (tool.seeds.size() > 250) {
     return fail(usageError("There are too many parts.").inField("seeds").wants("at most 250"));
   }
@@ -147,7 +163,7 @@ Result<void> carryOut(Edit& edit, const tool::Split& tool) {
       const std::string at = field + ".points[" + std::to_string(i) + "]";
       const auto voxel = voxelOf(edit, seeds.points_mm[i], at);
       if (!voxel) return fail(voxel.error());
-      if (!flood.start(*voxel, static_cast<std::uint8_t>(s))) {
+      if (!flood.start(*voxel, static_cast<std::uint8_t>(s), tool.radius_mm)) {
         return fail(inputRefused("The seed is not on the label that is split.")
                         .inField(at)
                         .wants("a point of the label")

@@ -96,13 +96,16 @@ struct Brush {
 
 /// Shares the label between itself and other labels by seeds: floods it from all seeds at once,
 /// bright before dark (`Brightness`: parts meet where the joint is darkest) or smooth before steep
-/// (`Edges`: they meet where grey values change most). A connected part without a seed stays.
+/// (`Edges`: they meet where grey values change most). A connected part without a seed stays. The
+/// voxels of the label within `radius_mm` of a seed are seeds too, so that a click on the dark rim
+/// of a bone is as good as one in its middle.
 struct Split {
   struct Seeds {
     std::string label;  ///< Becomes this label; the label that is split: stays.
     std::vector<Eigen::Vector3d> points_mm;
   };
   std::vector<Seeds> seeds;
+  double radius_mm = 0.0;
   enum class By : std::uint8_t { Brightness, Edges } by = By::Brightness;
 };
 

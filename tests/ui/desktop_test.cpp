@@ -127,14 +127,15 @@ TEST_F(DesktopTest, RemovingALabelCanBeUndone) {
   ASSERT_TRUE(before);
   DesktopOptions o = options();
   o.task = "segment";
-  script(o, "wait-idle\nwait 3\nclick-item Remove bone\nwait-idle\nquit\n");
+  const std::string remove =
+      "wait-idle\nwait 3\nclick-item Name, colour, material of bone\nwait 2\n"
+      "click-item Remove bone\nwait-idle\nwait 3\n";
+  script(o, remove + "quit\n");
   ASSERT_EQ(runDesktop(o), 0);
   EXPECT_FALSE(caseHasLabels(folder_ / "case"));
 
   ASSERT_TRUE(writeCaseLabels(folder_ / "case", *before, {LabelInfo{.name = "bone"}}));
-  script(o,
-         "wait-idle\nwait 3\nclick-item Remove bone\nwait-idle\nwait 3\n"
-         "click-item Undo: removing bone\nwait-idle\nquit\n");
+  script(o, remove + "click-item Undo\nwait-idle\nquit\n");
   ASSERT_EQ(runDesktop(o), 0);
   const auto after = readCaseLabels(folder_ / "case");
   ASSERT_TRUE(after) << sentence(after.error());

@@ -27,6 +27,7 @@ struct Shown {
   Shown() {
     model.task = Task::Simulate;
     model.openCase.open = true;
+    model.openCase.folder = "case";
     model.openCase.title = "Synthetic head";
     model.openCase.modality = model.openCase.presetModality = "CT";
     model.openCase.geometry = "2.08 \xc3\x97 2.08 \xc3\x97 2.08 mm";
@@ -63,7 +64,7 @@ struct Shown {
 
 void fill(Workspace& workspace, const Shown& shown) {
   workspace.showVolume(shown.head);
-  workspace.showLabels(&shown.bone);
+  workspace.showLabels(std::make_shared<const LabelGrid>(shown.bone));
   const auto chunks = meshLabel(shown.bone, 1, 1);
   ASSERT_TRUE(chunks) << sentence(chunks.error());
   workspace.showSurface(1, *chunks);

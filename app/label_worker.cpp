@@ -1,0 +1,261 @@
+#include "app/label_worker.h"
+
+#include <algorithm>
+#include <array>
+
+#include "imaging/segment/recipe.h"
+
+namespace palpate {
+
+LabelWorker::LabelWorker() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+}
+
+LabelWorker::~LabelWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    cancel_->cancel();
+  }
+  thread_.request_stop();
+  wake_.notify_all();
+}
+
+void LabelWorker::open(std::shared_ptr<const Volume> volume, SharedLabels labels, int meshStep) {
+  const std::lock_guard lock(mutex_);
+  ++generation_;
+  cancel_->cancel();
+  waiting_.clear();
+  outcomes_.clear();
+  volume_ = std::move(volume);
+  labels_ = labels ? std::move(labels) : std::make_shared<const LabelState>();
+  previewed_.reset();
+  meshStep_ = meshStep;
+}
+
+void LabelWorker::dropPreview() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(waiting_, [](const Request& r) { return r.kind == Kind::Preview; });
+  std::erase_if(outcomes_, [](const Outcome& o) {
+    return o.kind == Kind::Preview || (o.kind == Kind::Surfaces && o.surfacesOfPreview);
+  });
+  if (running_ && running_->kind == Kind::Preview) cancel_->cancel();
+  previewed_.reset();
+}
+
+void LabelWorker::preview(const LabelStep& step) {
+  dropPreview();
+  const std::lock_guard lock(mutex_);
+  if (!volume_) return;
+  waiting_.push_back({Kind::Preview, step, {}});
+  wake_.notify_all();
+}
+
+void LabelWorker::commit(const LabelStep& step) {
+  const std::lock_guard lock(mutex_);
+  if (!volume_) return;
+  std::erase_if(waiting_, [](const Request& r) { return r.kind == Kind::Preview; });
+  const std::string key = recipeText({step});
+  const bool same = running_ && recipeText({running_->step}) == key;
+  if (running_ && running_->kind == Kind::Preview && !same) cancel_->cancel();
+  waiting_.push_back({Kind::Step, step, {}});
+  wake_.notify_all();
+}
+
+void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
+  dropPreview();
+  const std::lock_guard lock(mutex_);
+  if (!volume_ || !state) return;
+  waiting_.push_back({Kind::Restored, {}, std::move(state)});
+  wake_.notify_all();
+}
+
+void LabelWorker::setTable(const LabelTable& table) {
+  const std::lock_guard lock(mutex_);
+  auto changed = std::make_shared<LabelState>(*labels_);
+  changed->table = table;
+  labels_ = std::move(changed);
+  previewed_.reset();
+}
+
+void LabelWorker::cancel() {
+  const std::lock_guard lock(mutex_);
+  waiting_.clear();
+  cancel_->cancel();
+}
+
+std::optional<LabelWorker::Outcome> LabelWorker::poll() {
+  const std::lock_guard lock(mutex_);
+  if (outcomes_.empty()) return std::nullopt;
+  Outcome outcome = std::move(outcomes_.front());
+  outcomes_.pop_front();
+  return outcome;
+}
+
+bool LabelWorker::busy() const {
+  const std::lock_guard lock(mutex_);
+  const auto stays = [](const Request& r) { return r.kind != Kind::Preview; };
+  return (running_ && stays(*running_)) || std::any_of(waiting_.begin(), waiting_.end(), stays) ||
+         !outcomes_.empty();
+}
+
+bool LabelWorker::previewing() const {
+  const std::lock_guard lock(mutex_);
+  const auto passes = [](const Request& r) { return r.kind == Kind::Preview; };
+  return (running_ && passes(*running_)) || std::any_of(waiting_.begin(), waiting_.end(), passes);
+}
+
+void LabelWorker::finish() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return !running_ && waiting_.empty(); });
+}
+
+ui::JobModel LabelWorker::model() const {
+  const std::lock_guard lock(mutex_);
+  ui::JobModel model;
+  if (!running_ || running_->kind == Kind::Preview) return model;
+  model.active = true;
+  model.title =
+      running_->kind == Kind::Restored ? "Restoring the labels" : toolTitle(running_->step.tool);
+  model.what = cancel_->cancelled() ? "Cancelling" : what_;
+  model.fraction = fraction_;
+  model.cancellable = !cancel_->cancelled();
+  return model;
+}
+
+Progress LabelWorker::progress() {
+  Progress progress;
+  progress.cancel = cancel_.get();
+  progress.report = [this](double fraction, const std::string& what) {
+    const std::lock_guard lock(mutex_);
+    fraction_ = fraction;
+    what_ = what;
+  };
+  return progress;
+}
+
+void LabelWorker::work(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Request request;
+    std::uint64_t generation = 0;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, stop, [this] { return !waiting_.empty(); });
+      if (stop.stop_requested()) return;
+      request = std::move(waiting_.front());
+      waiting_.pop_front();
+      running_ = request;
+      cancel_ = std::make_shared<CancelToken>();
+      fraction_ = -1.0;
+      what_.clear();
+      generation = generation_;
+    }
+    carryOut(request, generation);
+    const std::lock_guard lock(mutex_);
+    running_.reset();
+    idle_.notify_all();
+  }
+}
+
+void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
+  const std::lock_guard lock(mutex_);
+  if (generation != generation_) return;
+  const bool stale = outcome.kind == Kind::Preview && cancel_->cancelled();
+  if (!stale) outcomes_.push_back(std::move(outcome));
+}
+
+Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
+                                              const LabelState& before) {
+  if (request.kind == Kind::Restored) {
+    return std::make_shared<const LabelState>(
+        LabelState{request.state->labels.unpack(), request.state->table});
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (previewed_ && previewKey_ == recipeText({request.step})) return previewed_;
+  }
+  auto after = applyStep(volume, before, request.step, progress());
+  if (!after) return fail(after.error());
+  return std::make_shared<const LabelState>(std::move(*after));
+}
+
+void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
+  SharedLabels before;
+  std::shared_ptr<const Volume> volume;
+  {
+    const std::lock_guard lock(mutex_);
+    if (generation != generation_) return;
+    before = labels_;
+    volume = volume_;
+  }
+  Outcome outcome;
+  outcome.kind = request.kind;
+  outcome.step = request.step;
+  const auto after = labelsAfter(request, *volume, *before);
+  if (!after) {
+    outcome.error = after.error();
+    return deliver(std::move(outcome), generation);
+  }
+  outcome.labels = *after;
+  if (request.kind != Kind::Preview) {
+    outcome.before = std::make_shared<const PackedState>(
+        PackedState{PackedLabels(before->labels), before->table});
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (generation != generation_) return;
+    if (request.kind == Kind::Preview) {
+      previewed_ = *after;
+      previewKey_ = recipeText({request.step});
+    } else {
+      labels_ = *after;
+      previewed_.reset();
+    }
+  }
+  deliver(std::move(outcome), generation);
+  makeSurfaces(request, *volume, before, *after, generation);
+}
+
+void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
+                               const SharedLabels& before, const SharedLabels& after,
+                               std::uint64_t generation) {
+  LabelTable changed;
+  for (const std::uint8_t value : changedLabels(*before, *after)) {
+    for (const LabelInfo& row : after->table) {
+      if (row.value == value) changed.push_back(row);
+    }
+  }
+  auto surfaces = surfacesOf(after->labels, changed, volume, meshStep_, progress());
+  if (!surfaces) return;  // cancelled: the next preview brings its own
+  Outcome outcome;
+  outcome.kind = Kind::Surfaces;
+  outcome.surfacesOfPreview = request.kind == Kind::Preview;
+  outcome.labels = after;
+  outcome.surfaces = std::move(*surfaces);
+  const std::lock_guard lock(mutex_);
+  if (generation != generation_) return;
+  if (outcome.surfacesOfPreview && cancel_->cancelled()) return;
+  outcomes_.push_back(std::move(outcome));
+}
+
+std::vector<std::uint8_t> changedLabels(const LabelState& a, const LabelState& b) {
+  std::array<bool, 256> changed{};
+  const std::vector<std::uint8_t>&x = a.labels.labels, &y = b.labels.labels;
+  for (std::size_t i = 0; i < std::max(x.size(), y.size()); ++i) {
+    const std::uint8_t before = i < x.size() ? x[i] : std::uint8_t{0};
+    const std::uint8_t after = i < y.size() ? y[i] : std::uint8_t{0};
+    if (before != after) changed[before] = changed[after] = true;
+  }
+  std::vector<std::uint8_t> out;
+  for (std::size_t value = 1; value < changed.size(); ++value) {
+    const auto in = [value](const LabelTable& table) {
+      return std::any_of(table.begin(), table.end(),
+                         [value](const LabelInfo& l) { return l.value == value; });
+    };
+    if (changed[value] || in(a.table) != in(b.table))
+      out.push_back(static_cast<std::uint8_t>(value));
+  }
+  return out;
+}
+
+}  // namespace palpate
