@@ -1,6 +1,6 @@
-#include <algorithm>
 #include <memory>
 
+#include "app/case_label.h"
 #include "app/command.h"
 #include "app/commands.h"
 #include "app/setting_report.h"
@@ -20,20 +20,6 @@ struct TreeCommandOptions {
   int branching = 64;
   std::string leaf = "distance";
 };
-
-Result<std::uint8_t> labelValue(const LabelTable& table, const std::string& name) {
-  std::string names;
-  for (const LabelInfo& row : table) {
-    if (row.name == name) return row.value;
-    names += (names.empty() ? "" : ", ") + row.name;
-  }
-  return fail(
-      inputRefused("The case has no label of that name.")
-          .inField("label")
-          .butFound(name)
-          .wants(names.empty() ? "a label" : "one of " + names)
-          .advise("Make it with 'palpate segment CASE --preset NAME --label " + name + "'."));
-}
 
 CommandOutput reportTree(const TreeStats& stats) {
   CommandOutput output;

@@ -8,6 +8,7 @@ class CommandSet;
 void addImportCommand(CommandSet& commands);
 void addSeriesCommand(CommandSet& commands);
 void addSegmentCommand(CommandSet& commands);
+void addCompareCommand(CommandSet& commands);
 void addTreeCommand(CommandSet& commands);
 void addSimulateCommand(CommandSet& commands);
 void addExportCommand(CommandSet& commands);

@@ -57,6 +57,7 @@ void addCommands(CommandSet& commands) {
   addSeriesCommand(commands);
   addSegmentCommand(commands);
   addExportCommand(commands);
+  addCompareCommand(commands);
   addTreeCommand(commands);
   addSimulateCommand(commands);
   addReplayCommand(commands);

@@ -9,6 +9,7 @@
 #include "imaging/dicom_toolkit.h"
 #include "imaging/exchange/cielab.h"
 #include "imaging/volume.h"
+#include "imaging/transfer_syntax.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
