@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "core/base/counted.h"
 #include "imaging/dicom_choice.h"
 #include "imaging/dicom_series.h"
 #include "imaging/dicom_volume.h"
@@ -57,8 +58,9 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
                  const DicomFile& first, ImportedScan& scan) {
   scan.warnings.insert(scan.warnings.end(), stack.warnings.begin(), stack.warnings.end());
   if (stacks.size() > 1) {
-    scan.warnings.push_back("Left out: " + std::to_string(stacks.size() - 1) +
-                            " other image stacks (scouts or other series).");
+    scan.warnings.push_back(
+        "Left out: " + counted(stacks.size() - 1, "other image stack", "other image stacks") +
+        " (scouts or other series).");
   }
   if (scan.volume.modality != first.modality) {
     const std::string& unit = first.frames.front().rescaleType;

@@ -120,7 +120,7 @@ TEST(ViewEdit, ARayMeetsTheFirstLabelledVoxelThatIsShown) {
       ++hits;
     }
   }
-  EXPECT_GT(hits, 100);
+  EXPECT_GT(hits, 50);
 }
 
 TEST(ViewEdit, TheNearestVoxelOfALabelIsTheNearest) {
