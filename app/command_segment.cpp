@@ -4,9 +4,11 @@
 #include "app/command.h"
 #include "app/commands.h"
 #include "app/label_report.h"
+#include "app/program_paths.h"
 #include "app/segment_from_file.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
+#include "core/scene/anatomy.h"
 #include "imaging/case_folder.h"
 #include "imaging/segment/apply.h"
 #include "imaging/segment/case_recipe.h"
@@ -80,6 +82,7 @@ struct Work {
   Volume volume;
   LabelState state;
   CaseRecipe recipe;
+  std::vector<Anatomy> anatomies;
   std::vector<std::string> warnings;
 };
 
@@ -96,6 +99,7 @@ Result<void> applyTo(Work& work, LabelStep step, const Progress& progress) {
   if (step.label.empty()) step.label = kUnnamedLabel;
   Result<LabelState> after = applyStep(work.volume, work.state, step, progress);
   if (!after) return fail(after.error());
+  dressNewRows(work.state.table, after->table, work.anatomies);
   work.state = std::move(*after);
   work.recipe.steps.push_back(std::move(step));
   return {};
@@ -113,6 +117,11 @@ Error fromRecipe(Error error, const fs::path& recipe, std::size_t step) {
 
 Result<Work> openCase(const fs::path& folder) {
   Work work;
+  const auto datasets = datasetsFolder();
+  if (!datasets) return fail(datasets.error());
+  auto anatomies = readAnatomies(*datasets / "labels.toml");
+  if (!anatomies) return fail(anatomies.error());
+  work.anatomies = std::move(*anatomies);
   Result<Volume> volume = readCaseVolume(folder);
   if (!volume) return fail(volume.error());
   work.volume = std::move(*volume);

@@ -1,7 +1,9 @@
 #include "app/segment_from_file.h"
 
 #include "app/label_report.h"
+#include "app/program_paths.h"
 #include "core/base/whole_file.h"
+#include "core/scene/anatomy.h"
 #include "imaging/case_folder.h"
 #include "imaging/exchange/label_exchange.h"
 
@@ -32,7 +34,13 @@ Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
   Result<FoundLabels> found =
       importLabels(request.file, info->geometry, request.label, context.progress);
   if (!found) return fail(found.error());
-  if (auto merged = mergeLabels(*found, labels, table, found->warnings); !merged) {
+  LabelTable usual;
+  if (const auto datasets = datasetsFolder()) {
+    if (const auto anatomies = readAnatomies(*datasets / "labels.toml")) {
+      for (const Anatomy& a : *anatomies) usual.push_back({a.name, 0, a.colour, a.material});
+    }
+  }
+  if (auto merged = mergeLabels(*found, labels, table, found->warnings, usual); !merged) {
     return fail(merged.error());
   }
   if (context.progress.cancelled()) return fail(cancelled());

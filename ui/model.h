@@ -104,9 +104,17 @@ struct MaterialRow {
   bool critical = false;
 };
 
+/// What a label is usually called (datasets/labels.toml).
+struct AnatomyRow {
+  std::string name, title;
+  std::array<std::uint8_t, 3> colour{};
+  std::string material;
+};
+
 struct SegmentModel {
   std::vector<LabelRow> labels;
   std::vector<MaterialRow> materials;
+  std::vector<AnatomyRow> anatomies;
   std::string undo, redo;     ///< What they would do; empty: nothing.
   bool previewing = false;    ///< A preview is being made.
   bool previewShown = false;  ///< The views show how it would be.

@@ -50,8 +50,9 @@ struct ExportReport {
 
 /// Adds what was found to a case's labels, or replaces labels of the same name there: these keep
 /// their value, colour and material. A new one keeps its value where that is free. `warnings` gets
-/// a sentence where a material had to be guessed (from the name of a preset, else "bone").
+/// a sentence where a material had to be guessed (not from `usual` rows or presets of its name).
 [[nodiscard]] Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels,
-                                       LabelTable& table, std::vector<std::string>& warnings);
+                                       LabelTable& table, std::vector<std::string>& warnings,
+                                       const LabelTable& usual = {});
 
 }  // namespace palpate

@@ -86,7 +86,8 @@ std::optional<std::uint8_t> freeValue(const LabelTable& table, std::uint8_t stat
 }
 
 /// The label's row in the table, made where there is none. False where the table is full.
-bool addRow(const FoundLabel& label, LabelTable& table, std::vector<std::string>& guessed) {
+bool addRow(const FoundLabel& label, const LabelTable& usual, LabelTable& table,
+            std::vector<std::string>& guessed) {
   const auto value = freeValue(table, label.value);
   if (!value) return false;
   const Preset* preset = presetOf(label.name);
@@ -96,7 +97,14 @@ bool addRow(const FoundLabel& label, LabelTable& table, std::vector<std::string>
   row.colour = label.colour.value_or(preset != nullptr ? preset->colour
                                                        : kColours[(*value - 1U) % kColours.size()]);
   row.material = preset != nullptr ? preset->material : "bone";
-  if (preset == nullptr) guessed.push_back(label.name);
+  const auto known = std::find_if(usual.begin(), usual.end(),
+                                  [&label](const LabelInfo& l) { return l.name == label.name; });
+  if (known != usual.end()) {
+    row.material = known->material;
+    if (!label.colour) row.colour = known->colour;
+  } else if (preset == nullptr) {
+    guessed.push_back(label.name);
+  }
   table.push_back(row);
   return true;
 }
@@ -124,7 +132,7 @@ Result<FoundLabels> importLabels(const fs::path& file, const GridGeometry& geome
 }
 
 Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels, LabelTable& table,
-                         std::vector<std::string>& warnings) {
+                         std::vector<std::string>& warnings, const LabelTable& usual) {
   std::array<std::uint8_t, 256> becomes{};
   std::array<bool, 256> replaced{};
   std::vector<std::string> guessed;
@@ -132,7 +140,7 @@ Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels, LabelTable
     const auto named = [&label](const LabelInfo& row) { return row.name == label.name; };
     auto row = std::find_if(table.begin(), table.end(), named);
     if (row == table.end()) {
-      if (!addRow(label, table, guessed)) {
+      if (!addRow(label, usual, table, guessed)) {
         return fail(inputRefused("The case has no room for another label.")
                         .inField("label")
                         .butFound("255 labels")
