@@ -8,8 +8,8 @@
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 #include "imaging/exchange/cielab.h"
-#include "imaging/volume.h"
 #include "imaging/transfer_syntax.h"
+#include "imaging/volume.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
