@@ -45,8 +45,11 @@ std::string importText(const fs::path& folder, const ImportedScan& scan) {
   std::string text = "Imported " + scan.sourceFormat + " into " + folder.string() + "\n";
   text += gridSentence(scan.volume.geometry) + "\n";
   for (const std::string& repair : scan.repairs) text += "Repaired: " + repair + "\n";
-  text += "Next: palpate segment " + folder.string() + " --preset " +
-          (scan.volume.modality == "MR" ? "mr-tissue" : "ct-bone") + "\n";
+  const std::string& modality = scan.volume.modality;
+  text += "Next: palpate segment " + folder.string() +
+          (modality == "MR"                       ? " --preset mr-tissue\n"
+           : modality == "CT" || modality.empty() ? " --preset ct-bone\n"
+                                                  : " --threshold LO HI\n");
   return text;
 }
 

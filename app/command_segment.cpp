@@ -3,10 +3,15 @@
 
 #include "app/command.h"
 #include "app/commands.h"
+#include "app/label_report.h"
+#include "app/program_paths.h"
+#include "app/segment_from_file.h"
 #include "app/text_table.h"
 #include "core/base/whole_file.h"
+#include "core/scene/anatomy.h"
 #include "imaging/case_folder.h"
 #include "imaging/segment/apply.h"
+#include "imaging/segment/case_recipe.h"
 #include "imaging/segment/recipe.h"
 
 namespace palpate {
@@ -23,6 +28,7 @@ struct SegmentOptions {
   std::vector<double> threshold;
   fs::path recipe;
   std::vector<std::string> steps;
+  fs::path from;
   std::string label;
   bool largest = false;
   double minMm3 = 0.0;
@@ -75,6 +81,8 @@ Result<std::vector<LabelStep>> stepsOf(const SegmentOptions& options) {
 struct Work {
   Volume volume;
   LabelState state;
+  CaseRecipe recipe;
+  std::vector<Anatomy> anatomies;
   std::vector<std::string> warnings;
 };
 
@@ -91,7 +99,9 @@ Result<void> applyTo(Work& work, LabelStep step, const Progress& progress) {
   if (step.label.empty()) step.label = kUnnamedLabel;
   Result<LabelState> after = applyStep(work.volume, work.state, step, progress);
   if (!after) return fail(after.error());
+  dressNewRows(work.state.table, after->table, work.anatomies);
   work.state = std::move(*after);
+  work.recipe.steps.push_back(std::move(step));
   return {};
 }
 
@@ -105,27 +115,13 @@ Error fromRecipe(Error error, const fs::path& recipe, std::size_t step) {
   return error;
 }
 
-CommandOutput reportLabels(const Work& work) {
-  CommandOutput output;
-  output.json["labels"] = nlohmann::ordered_json::array();
-  TextTable table({"label", "value", "voxels", "mm³"});
-  for (const LabelCount& count : countLabels(work.state.labels, work.state.table)) {
-    nlohmann::ordered_json row;
-    row["name"] = count.name;
-    row["value"] = count.value;
-    row["voxels"] = count.voxels;
-    row["mm3"] = count.mm3;
-    output.json["labels"].push_back(row);
-    table.add({count.name, std::to_string(count.value), std::to_string(count.voxels),
-               decimal(count.mm3, 1)});
-  }
-  output.text = table.text();
-  output.warnings = work.warnings;
-  return output;
-}
-
 Result<Work> openCase(const fs::path& folder) {
   Work work;
+  const auto datasets = datasetsFolder();
+  if (!datasets) return fail(datasets.error());
+  auto anatomies = readAnatomies(*datasets / "labels.toml");
+  if (!anatomies) return fail(anatomies.error());
+  work.anatomies = std::move(*anatomies);
   Result<Volume> volume = readCaseVolume(folder);
   if (!volume) return fail(volume.error());
   work.volume = std::move(*volume);
@@ -138,10 +134,16 @@ Result<Work> openCase(const fs::path& folder) {
   Result<LabelTable> table = readCaseLabelTable(folder);
   if (!table) return fail(table.error());
   work.state = {std::move(*labels), std::move(*table)};
+  work.recipe = readCaseRecipe(folder);
+  if (work.recipe.steps.empty()) work.recipe.whole = false;
   return work;
 }
 
 Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandContext& context) {
+  if (!options.from.empty()) {
+    const bool partOptions = options.largest || options.minMm3 > 0.0;
+    return segmentFromFile({options.caseFolder, options.from, options.label, partOptions}, context);
+  }
   const Result<std::vector<LabelStep>> steps = stepsOf(options);
   if (!steps) return fail(steps.error());
   context.progress(0.0, "Reading the case");
@@ -157,8 +159,11 @@ Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandCon
       !written) {
     return fail(written.error());
   }
+  if (const Result<void> written = writeCaseRecipe(options.caseFolder, work->recipe); !written) {
+    return fail(written.error());
+  }
   context.progress(1.0, "Segmented");
-  return reportLabels(*work);
+  return labelReport(work->state.labels, work->state.table, std::move(work->warnings));
 }
 
 std::string presetList() {
@@ -185,6 +190,8 @@ void addSegmentCommand(CommandSet& commands) {
   how->add_option("--step", options->steps,
                   "A step of a recipe on one line: tool = 'margin', label = 'bone', operation = "
                   "'close', mm = 2; repeatable");
+  how->add_option("--from", options->from,
+                  "Labels of a file: DICOM SEG, MetaImage, NRRD, STL, PLY or OBJ");
   how->require_option(1);
   sub->add_option("--label", options->label, "Label to replace (default: the preset's)");
   sub->add_flag("--largest", options->largest, "Keep only the largest connected part");

@@ -4,6 +4,8 @@
 #include "app/commands.h"
 #include "app/grid_report.h"
 #include "app/text_table.h"
+#include "core/base/counted.h"
+#include "core/base/hexadecimal.h"
 #include "imaging/import.h"
 
 namespace palpate {
@@ -15,16 +17,6 @@ struct SeriesOptions {
   std::filesystem::path path;
   bool names = false, thumbnails = false;
 };
-
-std::string hexadecimal(const std::vector<std::uint8_t>& bytes) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t b : bytes) {
-    text.push_back(kDigits[b >> 4U]);
-    text.push_back(kDigits[b & 15U]);
-  }
-  return text;
-}
 
 ordered_json thumbnailJson(const std::optional<GreyPicture>& picture) {
   if (!picture) return nullptr;
@@ -70,7 +62,9 @@ Result<CommandOutput> runSeries(const SeriesOptions& options, const CommandConte
                series.description, series.uid});
   }
   output.json["skipped_files"] = list->skippedFiles;
-  output.text = table.text() + std::to_string(list->skippedFiles) + " other files skipped\n";
+  output.warnings = list->warnings;
+  output.text =
+      table.text() + counted(list->skippedFiles, "other file", "other files") + " skipped\n";
   return output;
 }
 

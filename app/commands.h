@@ -11,6 +11,7 @@ void addSegmentCommand(CommandSet& commands);
 void addCompareCommand(CommandSet& commands);
 void addTreeCommand(CommandSet& commands);
 void addSimulateCommand(CommandSet& commands);
+void addExportCommand(CommandSet& commands);
 void addReplayCommand(CommandSet& commands);
 void addTradeoffCommand(CommandSet& commands);
 void addDevicesCommand(CommandSet& commands);

@@ -2,6 +2,7 @@
 
 #include "app/desktop_signals.h"
 #include "app/run_report.h"
+#include "app/series_rows.h"
 #include "core/base/whole_file.h"
 
 #include <algorithm>
@@ -100,6 +101,7 @@ void Desktop::complain(const Error& error, const std::string& meaning) {
   message.meaning = meaning;
   Error rest = error;
   rest.message.clear();
+  if (rest.advice) rest.advice = withoutCommandLine(*rest.advice);
   message.advice = sentence(rest);
   if (!message.advice.empty() && message.advice[0] == ' ') message.advice.erase(0, 1);
   say(std::move(message));

@@ -45,7 +45,8 @@ std::vector<ui::RecentCase> RecentCases::list() const {
     rows.push_back({folder, info->description.empty() ? info->pseudonym : info->description,
                     (info->modality.empty() ? "" : info->modality + " \xc2\xb7 ") +
                         ui::spacingText(millimetres(g.spacing.x()), millimetres(g.spacing.y()),
-                                        millimetres(g.spacing.z()))});
+                                        millimetres(g.spacing.z())) +
+                        " \xc2\xb7 " + folder.filename().string()});
   }
   return rows;
 }

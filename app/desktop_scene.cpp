@@ -25,6 +25,16 @@ void Desktop::readDatasets() {
     model_.segment.materials.push_back({material.name, material.stiffness_NPerMm, material.friction,
                                         material.density_kgPerM3, material.critical});
   }
+  auto anatomies = readAnatomies(options_.datasets / "labels.toml");
+  if (!anatomies) {
+    complain(anatomies.error(), "Labels have no usual names, colours and materials to choose.");
+  } else {
+    for (const Anatomy& anatomy : *anatomies) {
+      model_.segment.anatomies.push_back(
+          {anatomy.name, anatomy.title, anatomy.colour, anatomy.material});
+    }
+    labelWorker_.setAnatomies(std::move(*anatomies));
+  }
   for (const Instrument& instrument : instruments_) {
     model_.simulate.instruments.push_back(describeInstrument(instrument));
   }

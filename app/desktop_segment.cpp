@@ -140,6 +140,7 @@ void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
     if (undo_.size() > kUndoSteps) undo_.erase(undo_.begin());
     redo_.clear();
     recipe_.steps.push_back(outcome.step);
+    workspace_->segment().forget();
   } else {
     moveBetween(past);
   }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/desktop_signals.h"
+#include "core/base/counted.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
 #include "core/devices/space_mouse.h"
@@ -247,8 +248,8 @@ void DesktopSimulation::describe(ui::Model& model) const {
   if (scene_) {
     simulate.setting = scene_->scene.setting;
     const TreeStats& stats = scene_->tree->stats();
-    simulate.tree =
-        std::to_string(stats.levels) + " levels, " + ui::grouped(stats.surfaceVoxels) + " voxels";
+    simulate.tree = counted(static_cast<std::size_t>(stats.levels), "level", "levels") + ", " +
+                    ui::grouped(stats.surfaceVoxels) + " voxels";
     char text[64];
     const double spacing = scene_->scene.setting.shellSpacing > 0.0
                                ? scene_->scene.setting.shellSpacing

@@ -176,6 +176,7 @@ Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volu
   }
   auto after = applyStep(volume, before, request.step, progress());
   if (!after) return fail(after.error());
+  dressNewRows(before.table, after->table, anatomies_);
   return std::make_shared<const LabelState>(std::move(*after));
 }
 

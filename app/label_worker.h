@@ -15,6 +15,7 @@
 #include "app/desktop_case.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/scene/anatomy.h"
 #include "imaging/segment/apply.h"
 #include "imaging/segment/packed_labels.h"
 #include "ui/model.h"
@@ -56,6 +57,8 @@ class LabelWorker {
   void open(std::shared_ptr<const Volume> volume, SharedLabels labels, int meshStep);
   void close() { open(nullptr, nullptr, 1); }
 
+  /// What new labels of known names look like and are made of. Before the first case.
+  void setAnatomies(std::vector<Anatomy> anatomies) { anatomies_ = std::move(anatomies); }
   /// Replaces the preview that waits or runs.
   void preview(const LabelStep& step);
   void dropPreview();
@@ -103,6 +106,7 @@ class LabelWorker {
   std::string previewKey_;  ///< Of the preview that `previewed_` is.
   SharedLabels previewed_;
   std::uint64_t generation_ = 0;  ///< Of the open case: late outcomes of another are dropped.
+  std::vector<Anatomy> anatomies_;
   int meshStep_ = 1;
   double fraction_ = -1.0;
   std::string what_;

@@ -56,6 +56,7 @@ void addCommands(CommandSet& commands) {
   addImportCommand(commands);
   addSeriesCommand(commands);
   addSegmentCommand(commands);
+  addExportCommand(commands);
   addCompareCommand(commands);
   addTreeCommand(commands);
   addSimulateCommand(commands);

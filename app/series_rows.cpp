@@ -1,9 +1,11 @@
 #include "app/series_rows.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "core/base/counted.h"
 #include "ui/format.h"
 
 namespace palpate {
@@ -23,15 +25,22 @@ bool isTriple(const json& object, const char* key) {
   return object.contains(key) && object[key].is_array() && object[key].size() == 3;
 }
 
-/// "Doe^Peter" is family and given name; other scripts follow behind a '='.
-std::string readableName(std::string name) {
-  for (char& c : name) {
-    if (c == '^') c = ' ';
+/// "Doe^Peter" is family and given name; other scripts follow behind a '='. Parts may be empty.
+std::string readableName(const std::string& name) {
+  std::string text;
+  const char* between = "";
+  for (const char c : name) {
+    if (c == '=') {
+      between = text.empty() ? "" : kDot;
+    } else if (c == '^' || c == ' ') {
+      if (*between == 0 && !text.empty()) between = " ";
+    } else {
+      text += between;
+      text += c;
+      between = "";
+    }
   }
-  for (std::size_t at = 0; (at = name.find('=', at)) != std::string::npos; at += 2) {
-    name.replace(at, 1, kDot);
-  }
-  return name;
+  return text;
 }
 
 std::string readableDate(const std::string& date) {
@@ -47,28 +56,35 @@ std::string studyOf(const json& series) {
   return date.empty() ? text : text + kDot + date;
 }
 
+/// "it states no spacing" follows a colon; in the list it stands alone.
+std::string reasonOf(const json& series) {
+  std::string reason = withoutCommandLine(textOf(series, "reason"));
+  if (!reason.empty() && reason[0] >= 'a' && reason[0] <= 'z') {
+    reason[0] = static_cast<char>(reason[0] - 'a' + 'A');
+  }
+  return reason;
+}
+
 std::string sizeOf(const json& series) {
   const auto files = series.value("files", std::size_t{0});
-  const double bytes = series.value("bytes", 0.0);
+  const double bytes = std::max(1e3, series.value("bytes", 0.0));
   char text[64];
-  std::snprintf(text, sizeof text, "%zu %s%s%.*f %s", files, files == 1 ? "file" : "files", kDot,
-                bytes >= 1e6 && bytes < 1e7 ? 1 : 0, bytes >= 1e6 ? bytes / 1e6 : bytes / 1e3,
-                bytes >= 1e6 ? "MB" : "kB");
-  return text;
+  std::snprintf(text, sizeof text, "%.*f %s", bytes >= 1e6 && bytes < 1e7 ? 1 : 0,
+                bytes >= 1e6 ? bytes / 1e6 : bytes / 1e3, bytes >= 1e6 ? "MB" : "kB");
+  return counted(files, "file", "files") + kDot + text;
 }
 
 std::string gridOf(const json& series) {
-  std::string text;
-  if (isTriple(series, "dims")) {
-    const auto& d = series["dims"];
-    text = std::to_string(d[0].get<int>()) + kTimes + std::to_string(d[1].get<int>()) + kTimes +
-           std::to_string(d[2].get<int>());
-  }
-  if (isTriple(series, "spacing_mm")) {
-    const auto& s = series["spacing_mm"];
-    text += kDot + ui::spacingText(s[0].get<double>(), s[1].get<double>(), s[2].get<double>());
-  }
-  return text;
+  if (!isTriple(series, "dims")) return {};
+  const auto& d = series["dims"];
+  return std::to_string(d[0].get<int>()) + kTimes + std::to_string(d[1].get<int>()) + kTimes +
+         std::to_string(d[2].get<int>());
+}
+
+std::string spacingOf(const json& series) {
+  if (!isTriple(series, "spacing_mm")) return {};
+  const auto& s = series["spacing_mm"];
+  return ui::spacingText(s[0].get<double>(), s[1].get<double>(), s[2].get<double>());
 }
 
 GreyPicture pictureOf(const json& series) {
@@ -92,6 +108,15 @@ GreyPicture pictureOf(const json& series) {
 
 }  // namespace
 
+std::string withoutCommandLine(const std::string& sentence) {
+  for (const char* clause : {"; imports with --repair", "; `palpate "}) {
+    const std::size_t at = sentence.find(clause);
+    if (at == std::string::npos) continue;
+    return sentence.substr(0, at) + (sentence.back() == '.' ? "." : "");
+  }
+  return sentence;
+}
+
 std::vector<ui::SeriesRow> seriesRows(const std::string& output) {
   std::vector<ui::SeriesRow> rows;
   const json all = json::parse(output, nullptr, false);
@@ -101,13 +126,16 @@ std::vector<ui::SeriesRow> seriesRows(const std::string& output) {
     row.uid = textOf(series, "uid");
     row.importable = series.value("importable", false);
     row.repairable = !textOf(series, "repair").empty();
-    row.reason = textOf(series, "reason");
+    row.reason = reasonOf(series);
     const std::string description = textOf(series, "description");
     const std::string modality = textOf(series, "modality");
-    row.title = description.empty() ? modality + " series" : modality + kDot + description;
-    row.detail = gridOf(series);
+    row.title = description.empty() ? (modality.empty() ? "Series" : modality + " series")
+                                    : (modality.empty() ? "" : modality + kDot) + description;
+    row.grid = gridOf(series);
+    row.spacing = spacingOf(series);
     row.size = sizeOf(series);
     row.study = studyOf(series);
+    row.studyNumber = series.value("study", std::size_t{1});
     row.picture = pictureOf(series);
     rows.push_back(std::move(row));
   }

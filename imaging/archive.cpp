@@ -23,6 +23,7 @@ struct CloseArchive {
 using Reader = std::unique_ptr<archive, CloseArchive>;
 
 constexpr std::size_t kBlock = 1U << 18U;
+constexpr std::size_t kMaxName = 1024;
 
 Error damaged(const fs::path& file) {
   return inputRefused("The archive is damaged or cut short.")
@@ -54,10 +55,14 @@ Result<bool> nextMember(archive* reader, archive_entry*& entry, const fs::path& 
   return true;
 }
 
-std::string lastName(archive_entry* entry) {
+std::string wholeName(archive_entry* entry) {
   const char* name = archive_entry_pathname_utf8(entry);
   if (name == nullptr) name = archive_entry_pathname(entry);
-  return name == nullptr ? std::string() : fs::path(name).filename().string();
+  return name == nullptr ? std::string() : std::string(name);
+}
+
+std::string lastName(archive_entry* entry) {
+  return fs::path(wholeName(entry)).filename().string();
 }
 
 Result<void> copyMember(archive* reader, const fs::path& target, std::uint64_t& left,
@@ -160,29 +165,35 @@ Result<std::vector<char>> readArchiveMember(const fs::path& file, const std::str
                   .advise("Copy the file again from where it came."));
 }
 
-Result<void> unpackArchive(const fs::path& file, const fs::path& folder, const UnpackLimits& limits,
-                           const Progress& progress) {
+Result<std::vector<std::string>> unpackArchive(const fs::path& file, const fs::path& folder,
+                                               const UnpackLimits& limits,
+                                               const Progress& progress) {
   auto reader = openArchive(file);
   if (!reader) return fail(reader.error());
   std::error_code ec;
   const auto total = static_cast<double>(std::max<std::uintmax_t>(fs::file_size(file, ec), 1));
   std::uint64_t left = limits.bytes;
   archive_entry* entry = nullptr;
+  std::vector<std::string> names;
   for (std::size_t member = 0;; ++member) {
     if (progress.cancelled()) return fail(cancelled());
     const auto more = nextMember(reader->get(), entry, file);
     if (!more) return fail(more.error());
-    if (!*more) return {};
+    if (!*more) return names;
     if (member >= limits.members) {
       return fail(inputRefused("The archive holds more files than Palpate accepts.")
                       .inFile(file.string())
                       .wants("at most " + std::to_string(limits.members) + " files")
                       .advise("Unpack it yourself and import the one series."));
     }
+    names.emplace_back();
     if (archive_entry_filetype(entry) != AE_IFREG) continue;
     if (auto copied = copyMember(reader->get(), folder / std::to_string(member), left, file);
         !copied) {
-      return copied;
+      return fail(copied.error());
+    }
+    if (std::string name = wholeName(entry); name.size() <= kMaxName) {
+      names.back() = std::move(name);
     }
     progress(static_cast<double>(archive_filter_bytes(reader->get(), -1)) / total, "Unpacking");
   }

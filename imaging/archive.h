@@ -43,10 +43,11 @@ struct UnpackLimits {
 [[nodiscard]] Result<std::vector<char>> readArchiveMember(const std::filesystem::path& file,
                                                           const std::string& name,
                                                           std::uint64_t maxBytes);
-/// Every regular member as a numbered file in `folder`.
-[[nodiscard]] Result<void> unpackArchive(const std::filesystem::path& file,
-                                         const std::filesystem::path& folder,
-                                         const UnpackLimits& limits = {},
-                                         const Progress& progress = {});
+/// Every regular member as a numbered file in `folder`: file n has the n-th of the returned names
+/// in the archive (empty for what is no regular member, and for names of more than 1024 bytes).
+[[nodiscard]] Result<std::vector<std::string>> unpackArchive(const std::filesystem::path& file,
+                                                             const std::filesystem::path& folder,
+                                                             const UnpackLimits& limits = {},
+                                                             const Progress& progress = {});
 
 }  // namespace palpate

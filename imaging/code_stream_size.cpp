@@ -7,6 +7,8 @@ namespace {
 
 constexpr std::uint32_t kMaxSegments = 15;
 constexpr std::size_t kRleHead = 64;
+// A progressive image of 12 bits has at most 63 coefficients by 13 bits; common are ten scans.
+constexpr int kMaxScans = 1000;
 
 std::uint32_t big16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at] << 8U | bytes[at + 1]);
@@ -22,6 +24,15 @@ std::uint32_t little32(std::span<const std::uint8_t> bytes, std::size_t at) {
 bool beginsFrame(std::uint8_t marker) {
   return marker == 0xF7 ||
          (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC);
+}
+
+/// Entropy-coded data have no marker of a scan (FFDA) in them: what follows FF there is small.
+bool hasFewScans(std::span<const std::uint8_t> stream) {
+  int scans = 0;
+  for (std::size_t at = 0; at + 1 < stream.size() && scans <= kMaxScans; ++at) {
+    if (stream[at] == 0xFF && stream[at + 1] == 0xDA) ++scans;
+  }
+  return scans <= kMaxScans;
 }
 
 /// Bytes that a segment decodes to.
@@ -55,7 +66,8 @@ bool jpegIsOfSize(std::span<const std::uint8_t> stream, std::uint32_t columns, s
     }
     if (beginsFrame(marker)) {
       return at + 10 <= stream.size() && big16(stream, at + 5) == rows &&
-             big16(stream, at + 7) == columns && stream[at + 9] == 1;
+             big16(stream, at + 7) == columns && stream[at + 9] == 1 &&
+             hasFewScans(stream.subspan(at));
     }
     at += 2 + big16(stream, at + 2);
   }

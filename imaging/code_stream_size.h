@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// JPEG and JPEG-LS: by the frame's head in the stream (T.81 B.2.2). One component.
+/// JPEG and JPEG-LS: by the frame's head in the stream (T.81 B.2.2). One component, in at most
+/// 1,000 scans: each costs the time of a whole image, and a few bytes.
 [[nodiscard]] bool jpegIsOfSize(std::span<const std::uint8_t> stream, std::uint32_t columns,
                                 std::uint32_t rows);
 /// RLE (PS3.5 annex G): by what each segment, one a byte of a pixel, decodes to.

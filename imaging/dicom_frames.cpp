@@ -52,6 +52,7 @@ void readMeasures(DcmItem& item, DicomFrame& frame) {
 void readRescale(DcmItem& item, DicomFrame& frame) {
   (void)dicomNumber(item, DCM_RescaleSlope, frame.slope);
   (void)dicomNumber(item, DCM_RescaleIntercept, frame.intercept);
+  frame.rescaleType = dicomCode(item, DCM_RescaleType);
 }
 
 DicomFrame readClassic(DcmItem& dataset) {
@@ -110,15 +111,18 @@ DicomFrame readEnhanced(DcmItem* own, DcmItem* shared) {
 
 }  // namespace
 
-std::string readDicomFrames(DcmItem& dataset, std::uint32_t count,
-                            std::vector<DicomFrame>& frames) {
+DicomProblem readDicomFrames(DcmItem& dataset, std::uint32_t count,
+                             std::vector<DicomFrame>& frames) {
   DcmItem* shared = nullptr;
   (void)dataset.findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, shared, 0);
   DcmSequenceOfItems* perFrame = nullptr;
   (void)dataset.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, perFrame);
   if (perFrame != nullptr && perFrame->card() != count) {
-    return "it describes " + std::to_string(perFrame->card()) + " of its " + std::to_string(count) +
-           " frames";
+    return {.reason = "it describes " + std::to_string(perFrame->card()) + " of its " +
+                      std::to_string(count) + " frames",
+            .field = "PerFrameFunctionalGroupsSequence",
+            .found = std::to_string(perFrame->card()) + " items",
+            .expected = std::to_string(count) + " items"};
   }
   if (shared == nullptr && perFrame == nullptr) {
     DicomFrame frame = readClassic(dataset);

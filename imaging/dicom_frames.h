@@ -12,7 +12,7 @@ namespace palpate {
 
 /// `count` frames; what the file does not say stays unset. Returns why they cannot be told apart,
 /// as DicomFile::problem; empty when they can.
-[[nodiscard]] std::string readDicomFrames(DcmItem& dataset, std::uint32_t count,
-                                          std::vector<DicomFrame>& frames);
+[[nodiscard]] DicomProblem readDicomFrames(DcmItem& dataset, std::uint32_t count,
+                                           std::vector<DicomFrame>& frames);
 
 }  // namespace palpate

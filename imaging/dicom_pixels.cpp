@@ -13,6 +13,7 @@
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
 #include "imaging/jpeg2000.h"
+#include "imaging/transfer_syntax.h"
 
 namespace palpate {
 namespace {
@@ -140,15 +141,6 @@ struct FrameSink {
   }
 };
 
-bool isJpeg2000(const std::string& uid) {
-  return uid == "1.2.840.10008.1.2.4.90" || uid == "1.2.840.10008.1.2.4.91";
-}
-
-bool isJpeg(const std::string& uid) {
-  return uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70" ||
-         uid == "1.2.840.10008.1.2.4.80" || uid == "1.2.840.10008.1.2.4.81";
-}
-
 /// None where a damaged file states another kind of value there.
 DcmPixelData* pixelDataOf(DcmDataset& dataset) {
   DcmElement* element = nullptr;
@@ -213,8 +205,9 @@ Result<DecodedFacts> decodeJpeg2000Frames(DcmPixelData& pixels, const DicomFile&
 
 /// Whether the code streams of JPEG, JPEG-LS and RLE are of the size that the header states.
 Result<void> checkCodeStreams(DcmDataset& dataset, const DicomFile& file) {
-  const bool rle = file.transferSyntax == "1.2.840.10008.1.2.5";
-  if (!rle && !isJpeg(file.transferSyntax)) return {};
+  const PixelCoding coding = transferSyntaxOf(file.transferSyntax).coding;
+  const bool rle = coding == PixelCoding::Rle;
+  if (!rle && coding != PixelCoding::Jpeg && coding != PixelCoding::JpegLs) return {};
   DcmPixelData* pixels = pixelDataOf(dataset);
   if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
   const auto streams = codeStreams(*pixels, file);
@@ -258,7 +251,7 @@ Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& vis
   if (file.modalityLut && !readLut(dataset, file, sink.lut)) {
     return fail(cannotDecode(file, "its modality table cannot be read"));
   }
-  if (isJpeg2000(file.transferSyntax)) {
+  if (transferSyntaxOf(file.transferSyntax).coding == PixelCoding::Jpeg2000) {
     DcmPixelData* pixels = pixelDataOf(dataset);
     if (pixels == nullptr) return fail(cannotDecode(file, "it holds no pixels"));
     return decodeJpeg2000Frames(*pixels, file, sink);
@@ -290,7 +283,7 @@ Result<DecodedFacts> decodeFrames(const DicomFile& file, const FrameVisitor& vis
 }  // namespace
 
 Result<DecodedFacts> decodeDicomFrames(const DicomFile& file, const FrameVisitor& visit) {
-  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem));
+  if (!file.problem.empty()) return fail(cannotDecode(file, file.problem.reason));
   try {
     return decodeFrames(file, visit);
   } catch (const std::exception&) {

@@ -1,5 +1,6 @@
 #pragma once
-/// Finds the DICOM images in a file, a folder, beside a DICOMDIR, or in an archive.
+/// Finds the DICOM images in a file, a folder, beside a DICOMDIR, or in an archive; and whether all
+/// are there that a DICOMDIR among them lists.
 
 #include <filesystem>
 #include <optional>
@@ -15,6 +16,7 @@ namespace palpate {
 struct DicomScan {
   std::vector<DicomFile> files;           ///< In the order of their paths.
   std::size_t skipped = 0;                ///< Files that are not DICOM objects.
+  std::vector<std::string> warnings;      ///< What a DICOMDIR lists and is not there.
   std::optional<PrivateFolder> unpacked;  ///< Where an archive's members lie, while this lives.
 };
 

@@ -1,39 +1,16 @@
 #include "imaging/dicom_series.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <numbers>
 
-#include "imaging/volume.h"
+#include "imaging/dicom_copies.h"
 
 namespace palpate {
 namespace {
 
-// Positions are written with six or seven digits; a scanner's own rounding stays below this. It is
-// a twentieth of the finest voxel in use, and anything above it is tilt, a gap or damage.
-constexpr double kPlaceTolerance_mm = 0.05;
-// Two images nearer than this lie at the same place.
-constexpr double kSamePlace_mm = 0.01;
-// A tenth of a micrometre, and a kilometre: beyond them a header is damaged.
-constexpr double kMinSpacing_mm = 1e-4;
-constexpr double kMaxPosition_mm = 1e6;
 // Direction cosines that differ by more are another orientation (0.06 degrees).
 constexpr double kSameDirection = 1e-3;
-
-const DicomFrame& frameOf(const std::vector<DicomFile>& files, const FrameRef& ref) {
-  return files[ref.file].frames[ref.frame];
-}
-
-std::string millimetres(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g mm", value);
-  return text;
-}
 
 /// One group: same series, size, spacing and orientation.
 struct Group {
@@ -100,150 +77,13 @@ std::vector<Group> splitPhases(const std::vector<DicomFile>& files, const Group&
   return {};
 }
 
-std::string geometryProblem(const DicomFrame& f) {
-  if (!f.hasSpacing) return "it states no pixel spacing";
-  if (!(f.spacing_mm.minCoeff() >= kMinSpacing_mm) || f.spacing_mm.maxCoeff() > 1000.0) {
-    return "its pixel spacing is not a length";
-  }
-  if (!f.hasPosition) return "it states no position in the patient";
-  if (f.position_mm.cwiseAbs().maxCoeff() > kMaxPosition_mm) {
-    return "its position is far outside of any scanner";
-  }
-  if (!f.hasOrientation) return "it states no orientation in the patient";
-  const bool square = std::abs(f.row.norm() - 1.0) < 1e-3 &&
-                      std::abs(f.column.norm() - 1.0) < 1e-3 &&
-                      std::abs(f.row.dot(f.column)) < 1e-3;
-  if (!square) return "its orientation is not two perpendicular directions";
-  if (f.slope == 0.0) return "its rescale slope is zero";
-  return {};
-}
-
-Eigen::Matrix3d rotationOf(const DicomFrame& frame) {
-  Eigen::Matrix3d axes;
-  axes << frame.row.normalized(), frame.column.normalized(),
-      frame.row.cross(frame.column).normalized();
-  if ((axes * axes.transpose()).isIdentity(1e-12)) return axes;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(axes, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
-}
-
-StackShape shapeOf(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& normal) {
-  StackShape shape;
-  const std::size_t n = positions.size();
-  if (n < 2) return shape;
-  const Eigen::Vector3d whole = positions.back() - positions.front();
-  const double length = whole.dot(normal);
-  shape.spacing_mm = length / static_cast<double>(n - 1);
-  shape.minGap_mm = shape.maxGap_mm = (positions[1] - positions[0]).dot(normal);
-  const Eigen::Vector3d across = whole - length * normal;
-  shape.tilt_deg = std::atan2(across.norm(), length) * 180.0 / std::numbers::pi;
-  for (std::size_t i = 1; i < n; ++i) {
-    const Eigen::Vector3d way = positions[i] - positions.front();
-    const double along = way.dot(normal);
-    const double gap = (positions[i] - positions[i - 1]).dot(normal);
-    shape.minGap_mm = std::min(shape.minGap_mm, gap);
-    shape.maxGap_mm = std::max(shape.maxGap_mm, gap);
-    shape.unevenness_mm =
-        std::max(shape.unevenness_mm, std::abs(along - shape.spacing_mm * static_cast<double>(i)));
-    shape.sideways_mm = std::max(shape.sideways_mm, (way - along * normal).norm());
-  }
-  return shape;
-}
-
-/// Sorts along the normal and sets images of one place aside.
-void orderSlices(const std::vector<DicomFile>& files, const Eigen::Vector3d& normal,
-                 std::vector<FrameRef> frames, DicomStack& stack) {
-  const auto height = [&](const FrameRef& r) { return frameOf(files, r).position_mm.dot(normal); };
-  std::stable_sort(frames.begin(), frames.end(),
-                   [&](const FrameRef& a, const FrameRef& b) { return height(a) < height(b); });
-  for (const FrameRef& ref : frames) {
-    if (!stack.slices.empty() &&
-        (frameOf(files, ref).position_mm - frameOf(files, stack.slices.back()).position_mm).norm() <
-            kSamePlace_mm) {
-      stack.duplicates.push_back(ref);
-      stack.duplicateOf.push_back(stack.slices.size() - 1);
-    } else {
-      stack.slices.push_back(ref);
-    }
-  }
-}
-
-void judgeShape(DicomStack& stack) {
-  const StackShape& s = stack.shape;
-  if (stack.geometry.voxelCount() > kMaxVoxels) {
-    stack.reason = "it has more voxels than Palpate holds (2^31)";
-    return;
-  }
-  if (s.minGap_mm < kSamePlace_mm && stack.slices.size() > 1) {
-    stack.reason = "several of its images share one plane at different places";
-    return;
-  }
-  if (s.tilted()) {
-    char text[160];
-    std::snprintf(
-        text, sizeof text,
-        "its slices are sheared against their normal by %.1f degrees (gantry tilt), up to "
-        "%.1f mm",
-        s.tilt_deg, s.sideways_mm);
-    stack.reason = text;
-  }
-  if (s.uneven()) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "its slices are %.3g to %.3g mm apart (uneven spacing or missing slices)",
-                  s.minGap_mm, s.maxGap_mm);
-    stack.reason += (stack.reason.empty() ? "" : "; ") + std::string(text);
-  }
-  stack.needsRepair = !stack.reason.empty();
-  if (!stack.needsRepair && std::max(s.sideways_mm, s.unevenness_mm) > 1e-3) {
-    stack.warnings.push_back("The positions in the files differ from a regular box by up to " +
-                             millimetres(std::max(s.sideways_mm, s.unevenness_mm)) + ".");
-  }
-}
-
-DicomStack makeStack(const std::vector<DicomFile>& files, const Group& group) {
-  DicomStack stack;
-  stack.uid = group.seriesUid;
-  stack.scout = std::all_of(group.frames.begin(), group.frames.end(),
-                            [&](const FrameRef& r) { return files[r.file].localizer; });
-  const DicomFrame& first = frameOf(files, group.frames.front());
-  for (const FrameRef& ref : group.frames) {
-    stack.reason = geometryProblem(frameOf(files, ref));
-    if (!stack.reason.empty()) {
-      stack.slices = group.frames;
-      return stack;
-    }
-  }
-  const Eigen::Matrix3d axes = rotationOf(first);
-  orderSlices(files, axes.col(2), group.frames, stack);
-  std::vector<Eigen::Vector3d> positions;
-  for (const FrameRef& ref : stack.slices) positions.push_back(frameOf(files, ref).position_mm);
-  stack.shape = shapeOf(positions, axes.col(2));
-  GridGeometry& g = stack.geometry;
-  g.dims = {static_cast<std::int32_t>(files[group.frames.front().file].columns),
-            static_cast<std::int32_t>(files[group.frames.front().file].rows),
-            static_cast<std::int32_t>(stack.slices.size())};
-  double thickness = stack.shape.spacing_mm;
-  if (stack.slices.size() == 1) {
-    thickness = first.thickness_mm > 0.0 && first.thickness_mm < 1000.0 ? first.thickness_mm : 1.0;
-    stack.warnings.push_back(
-        "The thickness of the one slice is taken as " + millimetres(thickness) +
-        (thickness == first.thickness_mm ? ", as stated." : "; none is stated."));
-  }
-  g.spacing = Eigen::Vector3d(first.spacing_mm.x(), first.spacing_mm.y(), thickness) * 1e-3;
-  g.X_PV.linear() = axes;
-  g.X_PV.translation() = positions.front() * 1e-3;
-  judgeShape(stack);
-  return stack;
-}
-
 /// Several images at each place: phases (a stack each), or copies, which the importer compares.
 std::vector<DicomStack> makeStacks(const std::vector<DicomFile>& files, const Group& group) {
-  DicomStack stack = makeStack(files, group);
+  DicomStack stack = makeStack(files, group.frames);
   if (stack.duplicates.empty() || stack.slices.empty()) return {stack};
   std::vector<DicomStack> phases;
   for (const Group& part : splitPhases(files, group, stack.slices.size())) {
-    phases.push_back(makeStack(files, part));
+    phases.push_back(makeStack(files, part.frames));
     if (!phases.back().duplicates.empty()) return {stack};
   }
   if (phases.empty()) return {stack};
@@ -251,14 +91,6 @@ std::vector<DicomStack> makeStacks(const std::vector<DicomFile>& files, const Gr
 }
 
 }  // namespace
-
-bool StackShape::tilted() const noexcept {
-  return sideways_mm > kPlaceTolerance_mm;
-}
-
-bool StackShape::uneven() const noexcept {
-  return unevenness_mm > kPlaceTolerance_mm;
-}
 
 std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files) {
   std::vector<std::string> order;
@@ -276,12 +108,22 @@ std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files) {
       return a.slices.size() > b.slices.size();
     });
     // The plain UID means the one stack that can be meant by it: the only one, or the only one of
-    // several slices.
-    const bool firstIsMeant = own.size() == 1 || own[1].slices.size() < 2;
+    // several slices. Of several single images, none is meant more than the others.
+    const bool firstIsMeant =
+        own.size() == 1 || (own[0].slices.size() > 1 && own[1].slices.size() < 2);
     for (std::size_t i = 0; i < own.size(); ++i) {
       if (i > 0 || !firstIsMeant) own[i].uid = uid + "#" + std::to_string(i + 1);
       stacks.push_back(std::move(own[i]));
     }
+  }
+  return stacks;
+}
+
+std::vector<DicomStack> stacksOf(const std::vector<DicomFile>& files) {
+  auto stacks = groupIntoStacks(files);
+  for (DicomStack& stack : stacks) {
+    settleCopies(files, stack);
+    refuseDamagedFiles(files, stack);
   }
   return stacks;
 }

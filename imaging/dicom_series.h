@@ -1,49 +1,16 @@
 #pragma once
-/// From frames to stacks: which images make one volume, in which order, and whether they can.
-///
-/// By position and orientation only; names of files and instance numbers mean nothing. Pure: looks
-/// at headers, touches no file.
+/// From frames to stacks: which images make one volume, and which of them their series' UID means.
 
-#include <cstddef>
-#include <string>
 #include <vector>
 
-#include "core/geometry/grid_geometry.h"
-#include "imaging/dicom_header.h"
+#include "imaging/dicom_stack.h"
 
 namespace palpate {
 
-struct FrameRef {
-  std::size_t file = 0;  ///< Index into the files given.
-  std::size_t frame = 0;
-};
-
-/// What a stack of slices is like, beside a regular box.
-struct StackShape {
-  double spacing_mm = 0.0;  ///< Mean distance along the normal.
-  double minGap_mm = 0.0, maxGap_mm = 0.0;
-  double tilt_deg = 0.0;       ///< Between the stack's way and the normal.
-  double unevenness_mm = 0.0;  ///< Largest distance along the normal from an even spacing.
-  double sideways_mm = 0.0;    ///< Largest distance across the normal from a straight stack.
-  [[nodiscard]] bool tilted() const noexcept;
-  [[nodiscard]] bool uneven() const noexcept;
-};
-
-/// Images of one series, one orientation, one size: one volume, or a reason why not.
-struct DicomStack {
-  std::string uid;  ///< The series' UID; with "#2" where a series holds several stacks.
-  bool scout = false;
-  std::vector<FrameRef> slices;      ///< Ascending along row × column; one a place.
-  std::vector<FrameRef> duplicates;  ///< Same place as the slice of `duplicateOf`.
-  std::vector<std::size_t> duplicateOf;
-  StackShape shape;
-  GridGeometry geometry;     ///< Of the regular box; valid when `reason` is empty or needsRepair.
-  std::string reason;        ///< Why it is not a volume; empty when it is.
-  bool needsRepair = false;  ///< `reason` speaks of tilt or uneven spacing only.
-  std::vector<std::string> warnings;
-};
-
-/// Stacks by series in the order of first files; within a series, the largest first.
+/// By series in the order of first files; within a series, the largest first. Looks at headers
+/// only.
 [[nodiscard]] std::vector<DicomStack> groupIntoStacks(const std::vector<DicomFile>& files);
+/// The same, copies and damaged files settled (dicom_copies.h).
+[[nodiscard]] std::vector<DicomStack> stacksOf(const std::vector<DicomFile>& files);
 
 }  // namespace palpate

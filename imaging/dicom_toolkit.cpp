@@ -87,6 +87,17 @@ std::string asciiOnly(std::string text) {
   return text;
 }
 
+/// One of several values; empty when there are fewer.
+std::string valueOf(const std::string& all, unsigned long position) {
+  std::size_t begin = 0;
+  for (; position > 0; --position) {
+    begin = all.find('\\', begin);
+    if (begin == std::string::npos) return {};
+    ++begin;
+  }
+  return trimmed(all.substr(begin, all.find('\\', begin) - begin));
+}
+
 }  // namespace
 
 std::string dicomText(DcmItem& item, const DcmTagKey& tag) {
@@ -113,8 +124,9 @@ bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value, unsigned lo
   return true;
 }
 
-std::string dicomCode(DcmItem& item, const DcmTagKey& tag) {
-  const std::string text = dicomText(item, tag);
+std::string dicomCode(DcmItem& item, const DcmTagKey& tag, std::optional<unsigned long> position) {
+  std::string text = dicomText(item, tag);
+  if (position) text = valueOf(text, *position);
   const bool isCode =
       text.size() <= 16 && std::all_of(text.begin(), text.end(), [](char c) {
         return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' || c == '_';

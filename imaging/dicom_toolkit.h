@@ -4,6 +4,7 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
 
+#include <optional>
 #include <string>
 
 namespace palpate {
@@ -13,8 +14,10 @@ void prepareDicomToolkit();
 
 [[nodiscard]] std::string dicomText(DcmItem& item, const DcmTagKey& tag);
 /// A code of capitals and digits (PS3.5, "CS"), to be repeated in messages; "?" when the file holds
-/// something else there, which may be a name. Empty when missing.
-[[nodiscard]] std::string dicomCode(DcmItem& item, const DcmTagKey& tag);
+/// something else there, which may be a name. Empty when missing. One of several by its position;
+/// without, several are not a code.
+[[nodiscard]] std::string dicomCode(DcmItem& item, const DcmTagKey& tag,
+                                    std::optional<unsigned long> position = {});
 /// False when missing or not a finite number.
 [[nodiscard]] bool dicomNumber(DcmItem& item, const DcmTagKey& tag, double& value,
                                unsigned long position = 0);

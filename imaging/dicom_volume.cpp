@@ -64,7 +64,7 @@ class Loader {
       : files_(files), slice_(stack.geometry.voxelCount() / stack.slices.size()) {
     volume.geometry = stack.geometry;
     volume.type = type;
-    volume.modality = files[stack.slices.front().file].modality;
+    volume.modality = modalityOf(files, stack);
     if (type == VoxelType::Int16) {
       resizeOnLargePages(volume.int16, stack.geometry.voxelCount());
     } else {

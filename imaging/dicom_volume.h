@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "imaging/dicom_series.h"
+#include "imaging/dicom_stack.h"
 #include "imaging/volume.h"
 
 namespace palpate {

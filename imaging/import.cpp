@@ -4,6 +4,7 @@
 #include <random>
 
 #include "imaging/dicom_import.h"
+#include "imaging/dicom_list.h"
 #include "imaging/invesalius.h"
 #include "imaging/volume_files.h"
 #include "imaging/volume_format.h"

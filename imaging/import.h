@@ -38,6 +38,7 @@ struct SeriesInfo {
 struct SeriesList {
   std::vector<SeriesInfo> series;
   std::size_t skippedFiles = 0;  ///< Not DICOM images.
+  std::vector<std::string> warnings;
 };
 
 [[nodiscard]] Result<SeriesList> listSeries(const std::filesystem::path& path,

@@ -76,6 +76,15 @@ void selectWhole(itk::ImageIOBase& io) {
   io.SetIORegion(region);
 }
 
+HeaderTexts textsOf(const itk::MetaDataDictionary& dictionary) {
+  HeaderTexts texts;
+  for (const std::string& key : dictionary.GetKeys()) {
+    std::string text;
+    if (itk::ExposeMetaData<std::string>(dictionary, key, text)) texts.emplace_back(key, text);
+  }
+  return texts;
+}
+
 ItkImageHeader headerOf(itk::ImageIOBase& io, VolumeFormat format) {
   ItkImageHeader header;
   const unsigned n = io.GetNumberOfDimensions();
@@ -94,6 +103,7 @@ ItkImageHeader headerOf(itk::ImageIOBase& io, VolumeFormat format) {
     std::string space;
     header.saysPatientSpace =
         itk::ExposeMetaData<std::string>(io.GetMetaDataDictionary(), "NRRD_space", space);
+    header.texts = textsOf(io.GetMetaDataDictionary());
   }
   return header;
 }
@@ -139,6 +149,9 @@ bool writeItkImage(VolumeFormat format, const fs::path& file, const ItkImageHead
                                               header.direction.begin() + 3 * d + 3));
     }
     selectWhole(*io);
+    for (const auto& [key, text] : header.texts) {
+      itk::EncapsulateMetaData<std::string>(io->GetMetaDataDictionary(), key, text);
+    }
     io->SetUseCompression(compress);
     if (compress)
       io->SetCompressionLevel(2);  // level 9 takes ten times as long for a tenth of the bytes

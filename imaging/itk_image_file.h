@@ -7,11 +7,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "imaging/volume_format.h"
 
 namespace palpate {
+
+/// Keys and texts of a NRRD header beyond its own fields (3D Slicer's names of segments).
+using HeaderTexts = std::vector<std::pair<std::string, std::string>>;
 
 enum class StoredType {
   UInt8,
@@ -37,6 +42,7 @@ struct ItkImageHeader {
   std::array<double, 3> spacing_mm{1, 1, 1}, origin_mm{0, 0, 0};
   std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< Column after column, LPS.
   bool saysPatientSpace = true;                                ///< NRRD: has a `space` field.
+  HeaderTexts texts;                                           ///< NRRD only.
 };
 
 /// Empty when ITK cannot read the header.

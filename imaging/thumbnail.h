@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "imaging/dicom_series.h"
+#include "imaging/dicom_stack.h"
 #include "imaging/import.h"
 
 namespace palpate {

@@ -9,6 +9,8 @@
 #include <limits>
 #include <memory>
 
+#include "core/base/hexadecimal.h"
+
 namespace palpate {
 namespace {
 
@@ -58,13 +60,7 @@ std::string voxelsSha256(const Volume& volume) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
   if (EVP_Digest(bytes, count, digest.data(), &length, EVP_sha256(), nullptr) != 1) return {};
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string text;
-  for (unsigned int b = 0; b < length; ++b) {
-    text.push_back(kHex[digest[b] >> 4U]);
-    text.push_back(kHex[digest[b] & 15U]);
-  }
-  return text;
+  return hexadecimal({digest.data(), length});
 }
 
 void narrowToInt16IfExact(Volume& volume) {

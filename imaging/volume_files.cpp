@@ -259,7 +259,8 @@ bool holds(const fs::path& file, VolumeFormat format, bool plain, const void* vo
 }
 
 Result<void> writeImage(const GridGeometry& geometry, StoredType type, std::size_t bytesPerValue,
-                        const void* voxels, bool compress, const fs::path& file) {
+                        const void* voxels, bool compress, const fs::path& file,
+                        const HeaderTexts& texts = {}) {
   const auto format = volumeFormatByName(file);
   if (!format) return fail(format.error());
   if (file.extension() == ".mhd" || file.extension() == ".nhdr") {
@@ -272,6 +273,7 @@ Result<void> writeImage(const GridGeometry& geometry, StoredType type, std::size
   if (!whole) return fail(whole.error());
   ItkImageHeader header;
   header.type = type;
+  if (*format == VolumeFormat::Nrrd) header.texts = texts;
   for (Eigen::Index a = 0; a < 3; ++a) {
     const auto d = static_cast<std::size_t>(a);
     header.dims[d] = static_cast<std::uint64_t>(geometry.dims[d]);
@@ -355,8 +357,9 @@ Result<LabelGrid> readLabelFile(const fs::path& file) {
   return grid;
 }
 
-Result<void> writeLabelFile(const LabelGrid& labels, const fs::path& file) {
-  return writeImage(labels.geometry, StoredType::UInt8, 1, labels.labels.data(), true, file);
+Result<void> writeLabelFile(const LabelGrid& labels, const fs::path& file,
+                            const HeaderTexts& texts) {
+  return writeImage(labels.geometry, StoredType::UInt8, 1, labels.labels.data(), true, file, texts);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -29,7 +30,9 @@ namespace palpate {
 /// Label volumes: values 0..255, anything else is refused with the first offending value.
 [[nodiscard]] Result<LabelGrid> readLabelFile(const std::filesystem::path& file);
 /// Compressed: labels shrink a hundredfold.
-[[nodiscard]] Result<void> writeLabelFile(const LabelGrid& labels,
-                                          const std::filesystem::path& file);
+/// @param texts  keys and texts for the header of a .nrrd file; other formats leave them out.
+[[nodiscard]] Result<void> writeLabelFile(
+    const LabelGrid& labels, const std::filesystem::path& file,
+    const std::vector<std::pair<std::string, std::string>>& texts = {});
 
 }  // namespace palpate

@@ -69,7 +69,7 @@ stage_tsan() {
 stage_asan() {
   ASAN_OPTIONS='strict_string_checks=1' UBSAN_OPTIONS='print_stacktrace=1' \
     LSAN_OPTIONS="suppressions=$root/packaging/lsan.supp" \
-    sanitized asan 'base|geometry|voxels|collision|dynamics|scene|session|imaging'
+    sanitized asan 'base|geometry|voxels|collision|dynamics|scene|session|imaging|imaging_exchange|segment'
 }
 
 # A private display of a fixed size, so that golden pictures have one size everywhere.

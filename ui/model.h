@@ -57,9 +57,11 @@ struct RecentCase {
 };
 
 struct SeriesRow {
-  std::string uid, title, detail;  ///< "CT · Head", "256 × 256 × 108 · 0.5 × 0.5 × 1 mm"
-  std::string size;                ///< "82 files · 43 MB"
-  std::string study;               ///< Patient and date; rows of one study are together.
+  std::string uid, title;       ///< "CT · Head"
+  std::string grid, spacing;    ///< "256 × 256 × 108", "0.50 × 0.50 × 1.00 mm"
+  std::string size;             ///< "82 files · 43 MB"
+  std::string study;            ///< Patient and date; rows of one study are together.
+  std::size_t studyNumber = 0;  ///< Two studies may be of one patient and day.
   bool importable = false;
   bool repairable = false;  ///< Not a regular box, but can be resampled to one.
   std::string reason;
@@ -102,9 +104,17 @@ struct MaterialRow {
   bool critical = false;
 };
 
+/// What a label is usually called (datasets/labels.toml).
+struct AnatomyRow {
+  std::string name, title;
+  std::array<std::uint8_t, 3> colour{};
+  std::string material;
+};
+
 struct SegmentModel {
   std::vector<LabelRow> labels;
   std::vector<MaterialRow> materials;
+  std::vector<AnatomyRow> anatomies;
   std::string undo, redo;     ///< What they would do; empty: nothing.
   bool previewing = false;    ///< A preview is being made.
   bool previewShown = false;  ///< The views show how it would be.

@@ -51,8 +51,9 @@ void drawJob(const Painter& paint, const Rect& area, const JobModel& job) {
     ImGui::PushFont(paint.fonts.secondary);
     const float room = ImGui::GetContentRegionAvail().x - paint.px(96.0F);
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(paint.theme.secondary, "%s",
-                       shortened(job.what, paint.fonts.secondary, room).c_str());
+    ImGui::TextColored(
+        paint.theme.secondary, "%s",
+        shortened(job.what.empty() ? "Starting" : job.what, paint.fonts.secondary, room).c_str());
     ImGui::PopFont();
     if (job.cancellable) {
       ImGui::SameLine(width - paint.px(14.0F + 84.0F));

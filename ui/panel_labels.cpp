@@ -132,11 +132,18 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
                 SegmentPanelState& state) {
   act::EditLabel edit{label.value, label.name, label.colour, label.material};
   bool changed = false;
-  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(40.0F));
   ImGui::InputTextWithHint("##labelname", "Name", &state.editName);
   paint.note("Name of " + label.name);
-  if (ImGui::IsItemDeactivatedAfterEdit() && !state.editName.empty() &&
-      state.editName != label.name) {
+  const bool typed = ImGui::IsItemDeactivatedAfterEdit();
+  ImGui::SameLine();
+  if (const AnatomyRow* anatomy = chooseAnatomy(paint, segment)) {
+    edit = {label.value, anatomy->name, anatomy->colour, anatomy->material};
+    state.editName = anatomy->name;
+    if (state.label == label.name) state.label = edit.name;
+    changed = true;
+  }
+  if (typed && !state.editName.empty() && state.editName != label.name) {
     edit.name = state.editName;
     if (state.label == label.name) state.label = edit.name;
     changed = true;
@@ -151,6 +158,21 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
 }
 
 }  // namespace
+
+const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segment) {
+  const AnatomyRow* chosen = nullptr;
+  if (ImGui::BeginCombo("##anatomy", "",
+                        ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft |
+                            ImGuiComboFlags_HeightLargest)) {
+    for (const AnatomyRow& anatomy : segment.anatomies) {
+      if (ImGui::Selectable(anatomy.title.c_str())) chosen = &anatomy;
+      paint.note("Anatomy " + anatomy.name);
+    }
+    ImGui::EndCombo();
+  }
+  paint.note("Usual names");
+  return chosen;
+}
 
 void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
   section(paint, "LABELS");

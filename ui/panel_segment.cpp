@@ -81,9 +81,6 @@ void drawApply(const Painter& paint, const Model& model, SegmentPanelState& stat
                                  : std::string("Apply ") + toolWords(state.kind).title;
     if (button(paint, icon::kCheck, word, Emphasis::Primary, -1.0F, step.has_value())) {
       paint.actions.push_back(act::ApplyStep{*step});
-      state.forget();
-      state.wantedKey.clear();
-      state.sentKey.clear();
       state.applied = recipeText({*step});
       if (state.kind == ToolKind::Threshold) state.label = state.name;
     }

@@ -1,6 +1,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ui/gl_api.h"
 #include "ui/icons.h"
@@ -47,10 +48,65 @@ void drawThumbnail(const Painter& paint, const SeriesRow& series, Thumbnails& th
                  IM_COL32(255, 255, 255, enabled ? 255 : 110));
 }
 
-/// Picture, title, size of the grid, files; what cannot be imported says why on pointing at it.
+/// Cut with an ellipsis to what fits into so many lines.
+std::string shortenedTo(int lines, const std::string& text, ImFont* font, float width) {
+  const float most = (static_cast<float>(lines) + 0.5F) * font->FontSize;
+  const auto fits = [&](const std::string& s) {
+    return font->CalcTextSizeA(font->FontSize, 1e6F, width, s.c_str()).y < most;
+  };
+  if (fits(text)) return text;
+  std::string cut = text;
+  std::size_t space = std::string::npos;
+  while ((space = cut.find_last_of(' ')) != std::string::npos) {
+    cut.resize(space);
+    if (fits(cut + " \xe2\x80\xa6")) break;
+  }
+  return cut + " \xe2\x80\xa6";
+}
+
+/// Grid, spacing and size, or why it cannot be imported, in three lines.
+void drawSeriesDetails(const Painter& paint, const SeriesRow& series, ImVec2 at, float room) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImFont* small = paint.fonts.secondary;
+  const float line = paint.px(16.0F);
+  const auto put = [&](int row, const std::string& text) {
+    list->AddText(small, small->FontSize, {at.x, at.y + static_cast<float>(row) * line},
+                  packed(paint.theme.secondary), shortened(text, small, room).c_str());
+  };
+  if (series.importable) {
+    put(0, series.grid);
+    put(1, series.spacing);
+    put(2, series.size);
+    return;
+  }
+  const std::string reason = shortenedTo(3, series.reason, small, room);
+  list->AddText(small, small->FontSize, at, packed(paint.theme.attention), reason.c_str(), nullptr,
+                room);
+  const float height = small->CalcTextSizeA(small->FontSize, 1e6F, room, reason.c_str()).y;
+  const auto lines = static_cast<int>(std::lround(height / small->FontSize));
+  if (lines < 3) put(lines, series.size);
+}
+
+void explainSeries(const Painter& paint, const SeriesRow& series) {
+  std::string text = series.title;
+  if (!series.reason.empty()) text += "\n" + series.reason + ".";
+  for (const std::string* part : {&series.grid, &series.spacing, &series.size}) {
+    if (!part->empty()) text += "\n" + *part;
+  }
+  if (series.repairable) {
+    text += "\nIt can be resampled to a regular grid: choose it to be asked.";
+  }
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(paint.px(320.0F));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+/// Picture, title and three lines; all of it in full on pointing at it.
 bool seriesRow(const Painter& paint, const SeriesRow& series, Thumbnails& thumbnails) {
   const bool enabled = series.importable || series.repairable;
-  const float side = paint.px(56.0F);
+  const float side = paint.px(static_cast<float>(kThumbnailSide));
   const float height = side + paint.px(12.0F);
   const float width = ImGui::GetContentRegionAvail().x;
   ImGui::BeginDisabled(!enabled);
@@ -66,43 +122,39 @@ bool seriesRow(const Painter& paint, const SeriesRow& series, Thumbnails& thumbn
   }
   drawThumbnail(paint, series, thumbnails, {a.x + paint.px(6.0F), a.y + paint.px(6.0F)}, side,
                 enabled);
-  const float left = a.x + side + paint.px(16.0F);
+  const float left = a.x + side + paint.px(14.0F);
   const float room = b.x - left - paint.px(4.0F);
-  const float alpha = enabled ? 1.0F : 0.55F;
-  ImFont* small = paint.fonts.secondary;
-  list->AddText({left, a.y + paint.px(7.0F)}, packed(paint.theme.text, alpha),
+  list->AddText({left, a.y + paint.px(4.0F)},
+                packed(enabled ? paint.theme.text : paint.theme.secondary),
                 shortened(series.title, paint.fonts.body, room).c_str());
-  const std::string second = series.importable ? series.detail : series.reason;
-  list->AddText(small, small->FontSize, {left, a.y + paint.px(28.0F)},
-                packed(series.importable ? paint.theme.secondary : paint.theme.attention, alpha),
-                shortened(second, small, room).c_str());
-  list->AddText(small, small->FontSize, {left, a.y + paint.px(46.0F)},
-                packed(paint.theme.secondary, alpha), shortened(series.size, small, room).c_str());
-  if (pointed) {
-    ImGui::BeginTooltip();
-    ImGui::PushTextWrapPos(paint.px(320.0F));
-    ImGui::TextUnformatted((series.title + "\n" + second + "\n" + series.size).c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::EndTooltip();
-  }
+  drawSeriesDetails(paint, series, {left, a.y + paint.px(24.0F)}, room);
+  if (pointed) explainSeries(paint, series);
   return pressed && enabled;
+}
+
+void studyHeading(const Painter& paint, const std::string& study) {
+  space(paint, 4.0F);
+  const std::string fits = shortened(study, ImGui::GetFont(), ImGui::GetContentRegionAvail().x);
+  ImGui::TextUnformatted(fits.c_str());
+  if (fits != study && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", study.c_str());
 }
 
 }  // namespace
 
 void drawSeriesList(const Painter& paint, const LibraryModel& library, Thumbnails& thumbnails) {
   section(paint, "SERIES IN THERE");
-  sentence(paint, "Choose the one to make a case of.");
-  if (button(paint, icon::kClose, "Import none", Emphasis::Normal)) {
+  const bool any = std::any_of(library.series.begin(), library.series.end(),
+                               [](const auto& s) { return s.importable || s.repairable; });
+  sentence(paint, any ? "Choose the one to make a case of."
+                      : "None of them can become a volume; each says why.");
+  if (button(paint, icon::kClose, any ? "Import none" : "Close the list", Emphasis::Normal)) {
     paint.actions.push_back(act::CloseSeriesList{});
   }
-  std::string study;
+  std::optional<std::size_t> study;
   for (const SeriesRow& series : library.series) {
-    if (series.study != study) {
-      study = series.study;
-      space(paint, 4.0F);
-      ImGui::TextUnformatted(
-          shortened(study, ImGui::GetFont(), ImGui::GetContentRegionAvail().x).c_str());
+    if (series.studyNumber != study) {
+      study = series.studyNumber;
+      studyHeading(paint, series.study);
     }
     ImGui::PushID(series.uid.c_str());
     if (seriesRow(paint, series, thumbnails)) {

@@ -28,6 +28,8 @@ void drawSeriesList(const Painter& paint, const LibraryModel& library, Thumbnail
 /// Labels, tools, the chosen tool's settings. `now`: seconds, monotonic.
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
                       ViewState& views, double now);
+/// An arrow beside a name field that offers the usual anatomy; the one chosen, or null.
+const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segment);
 /// The part of the Segment panel that lists and edits the labels.
 void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state);
 /// The part of the Segment panel with the chosen tool's settings.

@@ -89,6 +89,7 @@ std::optional<LabelTool> toolOf(const SegmentPanelState& state) {
 
 void SegmentPanelState::forget() {
   picks.clear();
+  missed = false;
   box_mm.reset();
   stroke_mm.clear();
   outline.clear();

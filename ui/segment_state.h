@@ -72,6 +72,7 @@ struct SegmentPanelState {
     std::size_t part = 0;
   };
   std::vector<Pick> picks;
+  bool missed = false;                                   ///< The last click was beside the label.
   std::optional<std::array<Eigen::Vector3d, 2>> box_mm;  ///< Corners, not sorted.
 
   /// A stroke or an outline being drawn, until the button is let go.

@@ -124,12 +124,18 @@ void drawThreshold(const Painter& paint, const Model& model, SegmentPanelState& 
   toggle(paint, "Largest part only", state.largest);
   drag(paint, "Smallest part", state.minMm3, 5.0F, 0.0F, 1e6F,
        state.minMm3 > 0 ? "Drop parts under %.0f mm\xc2\xb3" : "Keep small parts");
-  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(40.0F));
   ImGui::InputTextWithHint("##name", "Name of the label", &state.name);
   paint.note("Name of the label");
+  ImGui::SameLine();
+  if (const AnatomyRow* anatomy = chooseAnatomy(paint, model.segment)) state.name = anatomy->name;
 }
 
 void drawPicks(const Painter& paint, SegmentPanelState& state, const char* what) {
+  if (state.missed) {
+    notice(paint, MessageModel::Kind::Warning,
+           "There is nothing of " + state.label + " where you clicked.");
+  }
   if (state.picks.empty()) {
     sentence(paint, what);
     return;
@@ -192,7 +198,7 @@ void drawBoxSettings(const Painter& paint, SegmentPanelState& state) {
   }
 }
 
-void drawSplit(const Painter& paint, SegmentPanelState& state) {
+void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
   if (state.parts.empty() || state.parts[0] != state.label) {
     state.parts = {state.label, ""};
     state.part = 0;
@@ -215,7 +221,7 @@ void drawSplit(const Painter& paint, SegmentPanelState& state) {
     const auto clicks = std::count_if(state.picks.begin(), state.picks.end(),
                                       [p](const auto& pick) { return pick.part == p; });
     const std::string count = std::to_string(clicks) + (clicks == 1 ? " click" : " clicks");
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(62.0F));
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(102.0F));
     if (p == 0) {
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(shortened(state.label, paint.fonts.body, paint.px(150.0F)).c_str());
@@ -223,6 +229,11 @@ void drawSplit(const Painter& paint, SegmentPanelState& state) {
       ImGui::InputTextWithHint("##part", "Name of this part", &state.parts[p]);
       if (ImGui::IsItemActivated()) state.part = p;
       paint.note("Name of part " + std::to_string(p + 1));
+      ImGui::SameLine();
+      if (const AnatomyRow* anatomy = chooseAnatomy(paint, segment)) {
+        state.parts[p] = anatomy->name;
+        state.part = p;
+      }
     }
     ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - paint.px(54.0F));
     ImGui::PushFont(paint.fonts.secondary);
@@ -304,7 +315,7 @@ void drawToolSettings(const Painter& paint, const Model& model, SegmentPanelStat
       drawBoxSettings(paint, state);
       break;
     case ToolKind::Split:
-      return drawSplit(paint, state);
+      return drawSplit(paint, model.segment, state);
     case ToolKind::Combine:
       drawCombine(paint, model.segment, state);
       break;

@@ -16,6 +16,9 @@ namespace palpate::ui {
 
 /// A slice under the mouse.
 struct SliceMouse {
+  /// Null: nothing is labelled. `label`: the value that the tools work on, 0: none.
+  const LabelGrid* labels = nullptr;
+  std::uint8_t label = 0;
   View view = View::Axial;
   const Rect& area;
   const GridGeometry& grid;
@@ -49,6 +52,11 @@ void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const
                                                            const std::vector<std::uint8_t>& hidden,
                                                            const Eigen::Vector3d& eye_mm,
                                                            const Eigen::Vector3d& direction_P);
+
+/// Centre, P mm, of the label's voxel nearest to a point, within `reach_mm`.
+[[nodiscard]] std::optional<Eigen::Vector3d> nearestOf(const LabelGrid& labels, std::uint8_t value,
+                                                       const Eigen::Vector3d& p_mm,
+                                                       double reach_mm);
 
 /// Colours of a split's parts, in turn.
 [[nodiscard]] ImU32 partColour(std::size_t part);

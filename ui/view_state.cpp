@@ -8,7 +8,11 @@
 namespace palpate::ui {
 
 std::array<double, 2> startingWindow(const Volume& volume) {
-  if (volume.modality == "CT") return {400.0, 2000.0};
+  if (volume.modality == "CT") {
+    // Unless all of it would be black or white: then the scanner's values are not Hounsfield units.
+    const auto [least, most] = valueRange(volume);
+    if (most > -600.0 && least < 1400.0) return {400.0, 2000.0};
+  }
   std::vector<double> sample;
   const std::size_t stride = std::max<std::size_t>(1, volume.size() / 65536);
   for (std::size_t i = 0; i < volume.size(); i += stride) sample.push_back(volume.value(i));

@@ -8,12 +8,29 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "ui/gl_api.h"
 #include "ui/gl_objects.h"
 
 namespace palpate::ui {
 namespace {
+
+constexpr std::pair<int, const char*> kKeyNames[] = {{GLFW_KEY_SPACE, "space"},
+                                                     {GLFW_KEY_ESCAPE, "escape"},
+                                                     {GLFW_KEY_ENTER, "enter"},
+                                                     {GLFW_KEY_BACKSPACE, "backspace"},
+                                                     {GLFW_KEY_SLASH, "?"},
+                                                     {GLFW_KEY_LEFT, "left"},
+                                                     {GLFW_KEY_RIGHT, "right"},
+                                                     {GLFW_KEY_PAGE_UP, "pageup"},
+                                                     {GLFW_KEY_PAGE_DOWN, "pagedown"},
+                                                     {GLFW_KEY_UP, "up"},
+                                                     {GLFW_KEY_DOWN, "down"},
+                                                     {GLFW_KEY_LEFT_SHIFT, "shift"},
+                                                     {GLFW_KEY_RIGHT_SHIFT, "shift"},
+                                                     {GLFW_KEY_LEFT_CONTROL, "ctrl"},
+                                                     {GLFW_KEY_RIGHT_CONTROL, "ctrl"}};
 
 std::string keyName(int key) {
   if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z) {
@@ -22,42 +39,20 @@ std::string keyName(int key) {
   if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) {
     return std::string(1, static_cast<char>('0' + key - GLFW_KEY_0));
   }
-  switch (key) {
-    case GLFW_KEY_SPACE:
-      return "space";
-    case GLFW_KEY_ESCAPE:
-      return "escape";
-    case GLFW_KEY_ENTER:
-      return "enter";
-    case GLFW_KEY_SLASH:
-      return "?";
-    case GLFW_KEY_LEFT:
-      return "left";
-    case GLFW_KEY_RIGHT:
-      return "right";
-    case GLFW_KEY_PAGE_UP:
-      return "pageup";
-    case GLFW_KEY_PAGE_DOWN:
-      return "pagedown";
-    case GLFW_KEY_UP:
-      return "up";
-    case GLFW_KEY_DOWN:
-      return "down";
-    case GLFW_KEY_LEFT_SHIFT:
-    case GLFW_KEY_RIGHT_SHIFT:
-      return "shift";
-    case GLFW_KEY_LEFT_CONTROL:
-    case GLFW_KEY_RIGHT_CONTROL:
-      return "ctrl";
-    default:
-      return {};
+  for (const auto& [number, name] : kKeyNames) {
+    if (number == key) return name;
   }
+  return {};
 }
 
-int imguiKey(const std::string& name) {
-  if (name == "enter") return GLFW_KEY_ENTER;
-  if (name == "escape") return GLFW_KEY_ESCAPE;
-  if (name == "backspace") return GLFW_KEY_BACKSPACE;
+/// The first with that name; -1 where there is none.
+int keyNamed(const std::string& name) {
+  for (int key = GLFW_KEY_0; key <= GLFW_KEY_Z; ++key) {
+    if (keyName(key) == name) return key;
+  }
+  for (const auto& [number, known] : kKeyNames) {
+    if (known == name) return number;
+  }
   return -1;
 }
 
@@ -113,12 +108,15 @@ Result<std::unique_ptr<Window>> Window::open(const WindowOptions& options) {
   io.IniFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   glfwSetWindowUserPointer(self->window_, self.get());
-  glfwSetKeyCallback(self->window_, &Window::onKey);  // ImGui's backend calls it on.
   glfwSetDropCallback(self->window_, &Window::onDrop);
   if (!ImGui_ImplGlfw_InitForOpenGL(self->window_, true) ||
       !ImGui_ImplOpenGL3_Init("#version 330")) {
     return fail(noDisplay());
   }
+  // In place of the backend's own: what is typed reaches it through the queue.
+  glfwSetKeyCallback(self->window_, &Window::onKey);
+  glfwSetCharCallback(self->window_, &Window::onCharacter);
+  self->fontFolder_ = options.fonts;
   auto fonts = loadFonts(options.fonts, self->scale_);
   if (!fonts) return fail(fonts.error());
   self->fonts_ = *fonts;
@@ -139,11 +137,21 @@ Window::~Window() {
 }
 
 void Window::onKey(GLFWwindow* window, int key, int, int action, int) {
-  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  if (action == GLFW_REPEAT) return;  // Dear ImGui repeats by itself.
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->keyChanged(key, action == GLFW_PRESS);
+}
+
+void Window::onCharacter(GLFWwindow* window, unsigned int character) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->typed_.push({.character = character});
+}
+
+void Window::keyChanged(int key, bool down) {
+  if (key < 0) return;
+  typed_.push({.key = key, .down = down});
   const std::string name = keyName(key);
   if (name.empty()) return;
-  if (action == GLFW_PRESS) self->keys_.push_back(name);
-  self->held_[name] = action != GLFW_RELEASE;
+  if (down) keys_.push_back(name);
+  held_[name] = down;
 }
 
 void Window::onDrop(GLFWwindow* window, int count, const char** paths) {
@@ -151,16 +159,39 @@ void Window::onDrop(GLFWwindow* window, int count, const char** paths) {
   for (int i = 0; i < count; ++i) self->dropped_.emplace_back(paths[i]);
 }
 
+void Window::needCharacters(const std::string& text) {
+  fontsOutdated_ = rare_.add(text) || fontsOutdated_;
+}
+
+void Window::renewFonts() {
+  if (!std::exchange(fontsOutdated_, false)) return;
+  // Only files that were there at the start can refuse; then the window goes on with what it has.
+  const auto fonts = loadFonts(fontFolder_, scale_, rare_);
+  if (!fonts) return;
+  fonts_ = *fonts;
+  ImGui::GetIO().FontDefault = fonts_.body;
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
 void Window::beginFrame(double timeout) {
-  if (timeout > 0.0) {
+  if (timeout > 0.0 && typed_.empty() && !fontsOutdated_) {
     glfwWaitEventsTimeout(timeout);
   } else {
     glfwPollEvents();
   }
   glfwGetFramebufferSize(window_, &width_, &height_);
+  renewFonts();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   applyInjected();
+  for (const KeyEvent& event : typed_.takeFrame()) {
+    if (event.key < 0) {
+      ImGui_ImplGlfw_CharCallback(window_, event.character);
+    } else {
+      ImGui_ImplGlfw_KeyCallback(window_, event.key, 0, event.down ? GLFW_PRESS : GLFW_RELEASE, 0);
+    }
+  }
   ImGui::NewFrame();
 }
 
@@ -183,10 +214,7 @@ void Window::inject(const ScriptInput& input) {
   if (input.button) buttons_[input.button->first] = input.button->second;
   wheel_ += input.wheel;
   text_ += input.text;
-  for (const auto& [name, down] : input.keys) {
-    if (down) keys_.push_back(name);
-    held_[name] = down;
-  }
+  for (const auto& [name, down] : input.keys) keyChanged(keyNamed(name), down);
 }
 
 void Window::applyInjected() {
@@ -198,11 +226,6 @@ void Window::applyInjected() {
   wheel_ = 0.0F;
   io.AddInputCharactersUTF8(text_.c_str());
   text_.clear();
-  io.KeyShift = keyHeld("shift");
-  io.KeyCtrl = keyHeld("ctrl");
-  for (const char* name : {"enter", "escape", "backspace"}) {
-    io.KeysDown[imguiKey(name)] = keyHeld(name);
-  }
 }
 
 std::deque<std::string> Window::takeKeys() {

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "ui/fonts.h"
+#include "ui/key_queue.h"
 #include "ui/picture.h"
 #include "ui/theme.h"
 #include "ui/ui_script.h"
@@ -45,6 +46,9 @@ class Window {
   [[nodiscard]] std::deque<std::string> takeKeys();
   [[nodiscard]] bool keyHeld(const std::string& name) const;
 
+  /// From the next frame on the fonts hold the characters of this text, where one has them.
+  void needCharacters(const std::string& text);
+
   void setTheme(bool light);
   [[nodiscard]] const Theme& theme() const noexcept { return theme_; }
   [[nodiscard]] const Fonts& fonts() const noexcept { return fonts_; }
@@ -61,15 +65,22 @@ class Window {
  private:
   Window() = default;
   static void onKey(GLFWwindow* window, int key, int scancode, int action, int mods);
+  static void onCharacter(GLFWwindow* window, unsigned int character);
   static void onDrop(GLFWwindow* window, int count, const char** paths);
+  void keyChanged(int key, bool down);
   void applyInjected();
+  void renewFonts();
 
   GLFWwindow* window_ = nullptr;
   Theme theme_;
   Fonts fonts_;
+  RareCharacters rare_;
+  std::filesystem::path fontFolder_;
+  bool fontsOutdated_ = false;
   float scale_ = 1.0F;
   int width_ = 0, height_ = 0;
   bool software_ = false, imgui_ = false, scripted_ = false;
+  KeyQueue typed_;  ///< For Dear ImGui; keys_ and held_ know at once.
   std::deque<std::string> keys_;
   std::map<std::string, bool> held_;
   std::deque<std::filesystem::path> dropped_;

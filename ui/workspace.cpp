@@ -306,9 +306,13 @@ std::vector<std::uint8_t> Workspace::hiddenLabels(const Model& model) const {
 SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view) {
   if (model.task != Task::Segment || !model.openCase.open) return {};
   SliceTool tool;
-  tool.takes = [this, &paint, view](const Rect& area, const SlicePlane& plane, const SliceFit& fit,
-                                    double slice) {
-    const SliceMouse at{view, area, textures_.grid(), plane, fit, slice};
+  tool.takes = [this, &paint, &model, view](const Rect& area, const SlicePlane& plane,
+                                            const SliceFit& fit, double slice) {
+    std::uint8_t value = 0;
+    for (const LabelRow& row : model.segment.labels) {
+      if (row.name == segment_.label) value = row.value;
+    }
+    const SliceMouse at{labels_.get(), value, view, area, textures_.grid(), plane, fit, slice};
     return editInSlice(segment_, at, paint.actions);
   };
   tool.draws = [this, view](const SliceOverlay& over) { drawEditInSlice(segment_, over, view); };
@@ -340,9 +344,36 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
   }
 }
 
+/// Texts from outside, in whatever script.
+void Workspace::needCharacters(Window& window, const Model& model) const {
+  const auto need = [&window](const std::string& text) { window.needCharacters(text); };
+  need(model.openCase.title);
+  for (const auto& text : model.openCase.warnings) need(text);
+  const LibraryModel& library = model.library;
+  for (const SeriesRow& series : library.series) {
+    for (const std::string* text : {&series.title, &series.study, &series.reason}) need(*text);
+  }
+  for (const RecentCase& recent : library.recent) {
+    need(recent.title);
+    need(recent.detail);
+  }
+  need(library.directory.string());
+  for (const DirectoryRow& entry : library.entries) need(entry.name);
+  for (const LabelRow& label : model.segment.labels) need(label.name);
+  for (const MessageModel& message : model.messages) {
+    for (const std::string* text : {&message.happened, &message.meaning, &message.advice}) {
+      need(*text);
+    }
+  }
+  need(model.job.what);
+  need(library_.path);
+  need(segment_.name);
+}
+
 Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {
   Actions actions;
   items_.clear();
+  needCharacters(window, model);
   readKeys(window, model, actions);
   const auto width = static_cast<float>(window.width());
   const auto height = static_cast<float>(window.height());

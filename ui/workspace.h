@@ -65,6 +65,7 @@ class Workspace {
  private:
   Workspace()
       : slices_{SliceView(View::Axial), SliceView(View::Coronal), SliceView(View::Sagittal)} {}
+  void needCharacters(Window& window, const Model& model) const;
   void readKeys(Window& window, const Model& model, Actions& actions);
   void moveByKeys(const Window& window, const Model& model, Actions& actions) const;
   void drawPanel(const Painter& paint, const Model& model, double now);

@@ -129,9 +129,7 @@ Result<LabelState> applyStep(const Volume& volume, const LabelState& before, con
   const Result<void> done = std::visit([&edit](const auto& t) { return carryOut(edit, t); }, tool);
   if (!done) return fail(done.error());
   if (progress.cancelled()) return fail(cancelled());
-  // A split may give every voxel to other labels: that is no loss.
-  const bool mayEmpty =
-      std::holds_alternative<tool::Split>(tool) || std::holds_alternative<tool::Remove>(tool);
+  const bool mayEmpty = std::holds_alternative<tool::Remove>(tool);
   if (!mayEmpty && !holds(after.labels, row->value)) return fail(nothingLeft(step.label));
   progress(1.0, toolTitle(tool));
   return after;

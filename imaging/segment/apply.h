@@ -20,7 +20,8 @@ struct LabelState {
 /// Okabe–Ito colour and "bone".
 ///
 /// Refuses (Usage) parameters out of range; (InputRefused) a label that is not there, a seed or
-/// pick outside the scan, and a step that would leave the label without a voxel. `before` is as it
+/// pick outside the scan, a pick with no part within 5 mm, a range that selects nothing or holds no
+/// seed, and a step that would leave the label without a voxel. `before` is as it
 /// was in all of these. Progress and cancel. Same input, same bits, whatever the threads. Any
 /// thread; memory beside the volume and `before`: about two bytes a voxel, plus what a tool says.
 [[nodiscard]] Result<LabelState> applyStep(const Volume& volume, const LabelState& before,

@@ -52,7 +52,7 @@ Stroke strokeOf(const Edit& edit, const tool::Brush& tool) {
   return stroke;
 }
 
-Result<void> check(const Edit& edit, const tool::Brush& tool) {
+Result<void> check(const tool::Brush& tool) {
   if (auto fits = within(tool.radius_mm, 0.0, kMostMm, "radius_mm"); !fits) return fits;
   if (tool.path_mm.empty()) {
     return fail(usageError("The stroke has no points.").inField("path").wants("at least one"));
@@ -60,9 +60,14 @@ Result<void> check(const Edit& edit, const tool::Brush& tool) {
   if (tool.normal && !(tool.normal->allFinite() && tool.normal->norm() > 1e-9)) {
     return fail(usageError("The disk's normal has no direction.").inField("normal"));
   }
+  // A stroke may leave the scan; it may not be nowhere.
+  constexpr double kFarthest_mm = 1e5;
   for (std::size_t i = 0; i < tool.path_mm.size(); ++i) {
-    const auto voxel = voxelOf(edit, tool.path_mm[i], "path[" + std::to_string(i) + "]");
-    if (!voxel) return fail(voxel.error());
+    if (tool.path_mm[i].allFinite() && tool.path_mm[i].cwiseAbs().maxCoeff() < kFarthest_mm)
+      continue;
+    return fail(inputRefused("The point is not near the scan.")
+                    .inField("path[" + std::to_string(i) + "]")
+                    .wants("a point of the scan, patient coordinates (LPS)"));
   }
   return {};
 }
@@ -70,7 +75,7 @@ Result<void> check(const Edit& edit, const tool::Brush& tool) {
 }  // namespace
 
 Result<void> carryOut(Edit& edit, const tool::Brush& tool) {
-  if (auto fits = check(edit, tool); !fits) return fits;
+  if (auto fits = check(tool); !fits) return fits;
   const GridGeometry& g = edit.geometry();
   VoxelBox box;
   for (const Eigen::Vector3d& p : tool.path_mm) {
@@ -78,6 +83,7 @@ Result<void> carryOut(Edit& edit, const tool::Brush& tool) {
     box = unite(box, {voxel, voxel});
   }
   box = grownBy(box, tool.radius_mm + g.spacing.maxCoeff() * 1e3, g);
+  if (box.empty()) return {};
   MaskBlock block = blockOf(edit.labels, edit.value, box);
   const Stroke stroke = strokeOf(edit, tool);
   const std::uint8_t paint = tool.erase ? std::uint8_t{0} : plane::kMask;

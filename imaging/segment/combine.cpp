@@ -55,6 +55,9 @@ Result<void> carryOut(Edit& edit, const tool::Combine& tool) {
   const VoxelBox box =
       grownBy(unite(boundsOf(edit.labels, edit.value), boundsOf(edit.labels, other)), tool.grown_mm,
               edit.geometry());
+  if (box.empty()) {
+    return fail(inputRefused("Both labels are empty.").inField("other").butFound(tool.other));
+  }
   MaskBlock block = blockOf(edit.labels, edit.value, box);
   if (auto marked = markOther(edit, other, tool.grown_mm, block); !marked) return marked;
   for (std::uint8_t& voxel : block.voxels) {

@@ -68,8 +68,9 @@ Result<void> carryOut(Edit& edit, const tool::Box& tool) {
   }
   edit.share("Cutting").at(0.1);
   clear(edit, tool.allLabels, [&tool](const Eigen::Vector3d& p) {
-    const bool inside =
-        (p.array() >= tool.low_mm.array()).all() && (p.array() <= tool.high_mm.array()).all();
+    constexpr double kRounding_mm = 1e-6;  // a voxel on a face is in, whatever its last digit
+    const bool inside = (p.array() >= tool.low_mm.array() - kRounding_mm).all() &&
+                        (p.array() <= tool.high_mm.array() + kRounding_mm).all();
     return inside != tool.keepInside;
   });
   return {};

@@ -17,16 +17,19 @@ VoxelBox reachOf(const GridGeometry& geometry,
   return grownBy(box, reach_mm, geometry);
 }
 
-/// Sets kA where a voxel is in range, and within reach of a seed's voxel.
-void markCandidates(const Edit& edit, const tool::GrowRegion& tool,
-                    const std::vector<std::array<std::int32_t, 3>>& seeds, MaskBlock& block) {
+/// Sets kA where a voxel is in range, and within reach of a seed.
+void markCandidates(const Edit& edit, const tool::GrowRegion& tool, MaskBlock& block) {
   const VoxelBox& box = block.box;
   const double reach2 = tool.reach_mm * tool.reach_mm * (1.0 + 1e-9);
+  std::vector<Eigen::Vector3d> seeds_V_mm;
+  const Eigen::Isometry3d X_VP = edit.geometry().X_PV.inverse();
+  for (const Eigen::Vector3d& seed : tool.seeds_mm)
+    seeds_V_mm.push_back(X_VP * (seed * 1e-3) * 1e3);
   const auto reached = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
     return tool.reach_mm == 0.0 ||
-           std::any_of(seeds.begin(), seeds.end(), [&](const std::array<std::int32_t, 3>& s) {
-             const Eigen::Array3d apart(x - s[0], y - s[1], z - s[2]);
-             return (apart * block.spacing_mm.array()).square().sum() <= reach2;
+           std::any_of(seeds_V_mm.begin(), seeds_V_mm.end(), [&](const Eigen::Vector3d& seed) {
+             const Eigen::Vector3d centre = edit.geometry().centre_V(x, y, z) * 1e3;
+             return (centre - seed).squaredNorm() <= reach2;
            });
   };
   forEachRow(edit.geometry(), box,
@@ -72,7 +75,7 @@ Result<void> carryOut(Edit& edit, const tool::GrowRegion& tool) {
       blockOf(edit.labels, edit.value, reachOf(edit.geometry(), seeds, tool.reach_mm));
   const Share share = edit.share("Growing from the seeds");
   share.at(0.1);
-  markCandidates(edit, tool, seeds, block);
+  markCandidates(edit, tool, block);
   if (edit.progress.cancelled()) return fail(cancelled());
   share.at(0.4);
   const MaskParts parts = findParts(block.voxels, block.dims, {.bits = plane::kA});

@@ -37,15 +37,18 @@ Result<void> spread(MaskBlock& block, std::uint8_t from, std::uint8_t to, double
     const std::int32_t from0 = std::max(0, first - border), end0 = std::min(nz, end + border);
     const auto slab = slabOf(block, from, complement, from0, end0);
     const bool some = std::find(slab.begin(), slab.end(), std::uint8_t{1}) != slab.end();
+    // ITK measures from a set voxel beside one that is not: where all are set it finds none.
+    const bool all = std::find(slab.begin(), slab.end(), std::uint8_t{0}) == slab.end();
     const auto distances =
-        some ? squaredDistances_mm2(
-                   slab, {block.dims[0], block.dims[1], end0 - from0},
-                   {block.spacing_mm.x(), block.spacing_mm.y(), block.spacing_mm.z()})
-             : std::vector<float>{};
+        some && !all ? squaredDistances_mm2(
+                           slab, {block.dims[0], block.dims[1], end0 - from0},
+                           {block.spacing_mm.x(), block.spacing_mm.y(), block.spacing_mm.z()})
+                     : std::vector<float>{};
     const std::size_t skipped = block.sliceVoxels() * static_cast<std::size_t>(first - from0);
     const std::size_t begin = block.index(0, 0, first), stop = block.index(0, 0, end);
     for (std::size_t i = begin; i < stop; ++i) {
-      const bool near = some && static_cast<double>(distances[i - begin + skipped]) <= limit;
+      const bool near =
+          all || (some && static_cast<double>(distances[i - begin + skipped]) <= limit);
       std::uint8_t& voxel = block.voxels[i];
       voxel = static_cast<std::uint8_t>(near != complement ? voxel | to : voxel & ~to);
     }

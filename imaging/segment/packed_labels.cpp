@@ -20,6 +20,7 @@ PackedLabels::PackedLabels(const LabelGrid& labels)
 LabelGrid PackedLabels::unpack() const {
   LabelGrid labels;
   labels.geometry = geometry_;
+  if (voxels_ == 0) return labels;
   labels.labels.resize(voxels_);
   uLongf size = voxels_;
   if (uncompress(labels.labels.data(), &size, packed_.data(), packed_.size()) != Z_OK ||

@@ -13,6 +13,14 @@ const std::vector<std::string> kMargins{"dilate", "erode", "open", "close"};
 const std::vector<std::string> kBy{"brightness", "edges"};
 const std::vector<std::string> kCombine{"add", "subtract", "intersect"};
 
+/// The label that a preset makes; its own name where it is unknown, which applyStep() refuses.
+std::string labelOfPreset(const std::string& name) {
+  for (const Preset& preset : segmentationPresets()) {
+    if (preset.name == name) return preset.label;
+  }
+  return name;
+}
+
 LabelTool readThreshold(RecipeReader& step, std::optional<std::string>& preset,
                         std::string& label) {
   tool::Threshold tool;
@@ -25,6 +33,7 @@ LabelTool readThreshold(RecipeReader& step, std::optional<std::string>& preset,
   tool.largestOnly = step.flag("largest", false);
   tool.minMm3 = step.number("min_mm3", 0.0, 0.0);
   label = step.text("label", "");
+  if (preset && label.empty()) label = labelOfPreset(*preset);
   if (range && label.empty()) step.refuse("label", "A threshold needs a label.", "a name");
   return tool;
 }
@@ -45,8 +54,11 @@ LabelTool readIslands(RecipeReader& step) {
   tool::Islands tool;
   tool.keep = static_cast<tool::Islands::Keep>(step.choice("keep", kKeep));
   tool.count = static_cast<std::size_t>(step.count("count", 1, 1));
-  tool.minMm3 = step.number("min_mm3", 0.0, 0.0);
-  if (step.has("picks")) tool.picks_mm = step.points("picks");
+  using Keep = tool::Islands::Keep;
+  tool.minMm3 =
+      tool.keep == Keep::AtLeast ? step.number("min_mm3", 0.0) : step.number("min_mm3", 0.0, 0.0);
+  const bool picks = tool.keep == Keep::Picked || tool.keep == Keep::NotPicked;
+  if (picks || step.has("picks")) tool.picks_mm = step.points("picks");
   return tool;
 }
 

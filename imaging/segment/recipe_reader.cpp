@@ -165,7 +165,11 @@ std::vector<Eigen::Vector3d> RecipeReader::points(const char* key) {
 }
 
 std::vector<Eigen::Vector2d> RecipeReader::corners(const char* key) {
-  return list<2>(key);
+  auto outline = list<2>(key);
+  if (!error_ && outline.size() < 3) {
+    refuse(key, "The outline is no area.", "at least three [u, v]");
+  }
+  return outline;
 }
 
 std::vector<RecipeReader> RecipeReader::tables(const char* key) {

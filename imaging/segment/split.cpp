@@ -129,12 +129,13 @@ class Flood {
 };
 
 Result<void> check(const tool::Split& tool) {
-  std::size_t points = 0;
-  for (const auto& seeds : tool.seeds) points += seeds.points_mm.size();
-  if (tool.seeds.empty() || points == 0) {
+  const bool bare =
+      std::any_of(tool.seeds.begin(), tool.seeds.end(),
+                  [](const tool::Split::Seeds& seeds) { return seeds.points_mm.empty(); });
+  if (tool.seeds.empty() || bare) {
     return fail(usageError("There is no seed to split by.")
                     .inField("seeds")
-                    .wants("points in at least one label")
+                    .wants("points in every part")
                     .advise("Click on each part."));
   }
   if (auto fits = within(tool.radius_mm, 0.0, 50.0, "radius_mm"); !fits) return fits;

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "imaging/dicom_import.h"
+#include "imaging/dicom_list.h"
 #include "tests/fuzz/fuzz_require.h"
 #include "tests/imaging/dicom_bytes.h"
 

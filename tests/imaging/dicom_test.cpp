@@ -8,6 +8,7 @@
 #include "imaging/import.h"
 #include "tests/imaging/archive_samples.h"
 #include "tests/imaging/demo_files.h"
+#include "tests/imaging/dicom_bytes.h"
 #include "tests/imaging/dicom_writer.h"
 #include "tests/imaging/volume_samples.h"
 
@@ -204,6 +205,63 @@ TEST(Dicom, SeveralSeriesAreRefusedWithTheListAndChosenByUid) {
   EXPECT_EQ(list->series[1].geometry.dims, w.geometry.dims);
 }
 
+TEST(Dicom, ScoutsAreInTheListOfSeveralVolumes) {
+  TestFolder folder;
+  Volume scout = sample(1);
+  scout.modality = "CT";
+  writeDicomSeries(sample(3), folder / "a", {.seriesUid = "2.25.1"});
+  writeDicomSeries(scout, folder / "b",
+                   {.seriesUid = "2.25.2", .imageType = "ORIGINAL\\PRIMARY\\LOCALIZER"});
+  EXPECT_TRUE(importScan({.path = folder.path()})) << "the scout is not meant";
+  EXPECT_TRUE(importScan({.path = folder.path(), .seriesUid = "2.25.2"}))
+      << "by its own name it is";
+  writeDicomSeries(sample(4), folder / "c", {.seriesUid = "2.25.3"});
+  const auto refused = importScan({.path = folder.path()});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().found,
+            "2.25.1 (MR, 3 slices); 2.25.2 (CT, 1 slice), a scout; 2.25.3 (MR, 4 slices)");
+}
+
+TEST(Dicom, AUidOfSeveralSingleImagesIsRefusedWithTheList) {
+  TestFolder folder;
+  Volume a = sample(1);
+  Volume b = a;
+  b.geometry.X_PV.linear() = Eigen::Matrix3d::Identity();
+  writeDicomSeries(a, folder.path());
+  writeDicomSeries(b, folder.path(), {.filePrefix = "other"});
+  for (const auto& uid : {std::optional<std::string>(), std::optional<std::string>("2.25.1001")}) {
+    const auto refused = importScan({.path = folder.path(), .seriesUid = uid});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "There are several volumes in there.");
+    EXPECT_EQ(refused.error().found, "2.25.1001#1 (MR, 1 slice); 2.25.1001#2 (MR, 1 slice)");
+  }
+  const auto second = importScan({.path = folder.path(), .seriesUid = "2.25.1001#2"});
+  ASSERT_TRUE(second) << sentence(second.error());
+  EXPECT_LT(second->volume.geometry.cornerDistance(b.geometry), 1e-6);
+  // A stack beside them is what their UID means.
+  Volume c = sample(3);
+  c.geometry.X_PV.linear() = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  writeDicomSeries(c, folder.path(), {.filePrefix = "stack"});
+  const auto stack = importScan({.path = folder.path(), .seriesUid = "2.25.1001"});
+  ASSERT_TRUE(stack) << sentence(stack.error());
+  EXPECT_EQ(stack->volume.geometry.dims[2], 3);
+}
+
+TEST(Dicom, ANamedSeriesWithoutImagesIsThereAndHoldsNone) {
+  TestFolder folder;
+  writeDicomSeries(sample(3), folder.path(), {.seriesUid = "2.25.1"});
+  // Of series 2.25.1001, without rows.
+  std::string object = test::DicomBytes().file();
+  const std::string rows = test::number16(0x00280010, 8);
+  object.replace(object.find(rows), rows.size(), test::number16(0x00280009, 8));
+  test::writeBytes(folder / "object", object);
+  const auto scan = importScan({.path = folder.path(), .seriesUid = "2.25.1001"});
+  ASSERT_FALSE(scan);
+  EXPECT_EQ(scan.error().message, "The series cannot become a volume: it holds no image (CT).");
+  EXPECT_EQ(scan.error().field, "SOPClassUID");
+  EXPECT_EQ(scan.error().found, "CTImageStorage");
+}
+
 TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {
   TestFolder folder;
   Volume v = sample(4);
@@ -213,15 +271,54 @@ TEST(Dicom, IdenticalCopiesAreLeftOutAndConflictsRefused) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "1 identical copies of images were left out.");
+  EXPECT_EQ(scan->warnings[0], "1 identical copy of an image was left out.");
   v.int16[2 * 20 * 14] = static_cast<std::int16_t>(v.int16[2 * 20 * 14] ^ 1);
   writeDicomSeries(v, folder.path(), {.slices = {2}, .filePrefix = "other"});
   const auto refused = importScan({.path = folder.path()});
   ASSERT_FALSE(refused);
   EXPECT_EQ(
       refused.error().message,
-      "The series cannot become a volume: different images lie at the same place (6 images at "
-      "4 places).");
+      "The series cannot become a volume: different images lie at the same place: copy00000 and "
+      "other00000 (5 different images at 4 places).")
+      << "the copy counts once";
+}
+
+TEST(Dicom, ConflictsAreNamedWithoutThePatient) {
+  TestFolder folder;
+  Volume v = sample(2);
+  const DicomWriterOptions first{.patientName = "Quince^Medlar", .filePrefix = "MEDLAR"};
+  writeDicomSeries(v, folder / "a", first);
+  v.int16[0] = static_cast<std::int16_t>(v.int16[0] ^ 1);
+  writeDicomSeries(v, folder / "b", {.patientName = "Quince^Medlar", .slices = {0}});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found, "the same in file 1 and image00000");
+  fs::remove_all(folder / "a");
+  writeDicomSeries(sample(2), folder / "a",
+                   {.patientName = "Quince^Medlar", .filePrefix = "A\x1B[2J"});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found,
+            "the same in A?[2J00000 and image00000");
+  fs::remove_all(folder / "a");
+  writeDicomSeries(sample(2), folder / "a", {.patientName = "Quince^Medlar"});
+  EXPECT_EQ(importScan({.path = folder.path()}).error().found,
+            "the same in two files called image00000");
+}
+
+TEST(Dicom, ConflictsInAnArchiveAreNamedAsInTheArchive) {
+  TestFolder images;
+  Volume v = sample(2);
+  writeDicomSeries(v, images.path());
+  v.int16[0] = static_cast<std::int16_t>(v.int16[0] ^ 1);
+  writeDicomSeries(v, images.path(), {.slices = {0}, .filePrefix = "other"});
+  std::vector<std::pair<std::string, std::string>> members{{"folder/read.me", "text"}};
+  for (const char* name : {"image00000", "image00611", "other00000"}) {
+    members.emplace_back(std::string("folder/") + name, test::readBytes(images / name));
+  }
+  TestFolder folder;
+  test::writeArchive(folder / "study", "tar.gz", members);
+  const auto refused = importScan({.path = folder / "study"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "The series cannot become a volume: different images lie at the same place: image00000 "
+            "and other00000 (3 different images at 2 places).");
 }
 
 TEST(Dicom, OtherOrientationInTheSeriesIsLeftOut) {
@@ -236,7 +333,7 @@ TEST(Dicom, OtherOrientationInTheSeriesIsLeftOut) {
   ASSERT_TRUE(scan) << sentence(scan.error());
   EXPECT_EQ(scan->volume.int16, v.int16);
   ASSERT_EQ(scan->warnings.size(), 1U);
-  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stacks (scouts or other series).");
+  EXPECT_EQ(scan->warnings[0], "Left out: 1 other image stack (scouts or other series).");
   const auto list = listSeries(folder.path());
   ASSERT_TRUE(list);
   EXPECT_EQ(list->series.size(), 2U);
@@ -277,6 +374,54 @@ TEST(Dicom, ArchivesAreOpened) {
   }
 }
 
+/// A DICOMDIR that refers to these files.
+std::string directoryOf(const std::vector<std::string>& files, std::uint32_t inUse = 0xFFFF) {
+  std::vector<std::string> records{test::number16(0x00041410, 0xFFFF) +
+                                   test::element(0x00041430, "CS", "PATIENT")};
+  for (const std::string& file : files) {
+    records.push_back(test::number16(0x00041410, inUse) + test::element(0x00041430, "CS", "IMAGE") +
+                      test::element(0x00041500, "CS", file));
+  }
+  return test::part10(test::kExplicitVr, test::sequence(0x00041220, records));
+}
+
+TEST(Dicom, FilesThatADicomdirListsAndAreNotThereAreToldOf) {
+  TestFolder folder;
+  const Volume v = sample(3);
+  writeDicomSeries(v, folder / "disc");
+  const auto warnings = [&](const fs::path& path) {
+    const auto scan = importScan({.path = path});
+    EXPECT_TRUE(scan) << sentence(scan.error());
+    const auto list = listSeries(path);
+    EXPECT_TRUE(list);
+    EXPECT_EQ(list->warnings, scan->warnings);
+    return scan->warnings;
+  };
+  const fs::path index = folder / "disc/DICOMDIR";
+  // In capitals and with a version, as discs show them.
+  test::writeBytes(index, directoryOf({"IMAGE00000", "IMAGE00611;1", ".\\IMAGE01222"}));
+  EXPECT_TRUE(warnings(index).empty());
+  test::writeBytes(index, directoryOf({"GONE"}, 0));  // No more in use.
+  EXPECT_TRUE(warnings(index).empty());
+  const std::string incomplete =
+      "The DICOMDIR lists 3 files, and 2 of them are not there or cannot be read: the scan may be "
+      "incomplete.";
+  test::writeBytes(index, directoryOf({"IMAGE00000", "DEEP\\IMAGE00611", "..\\GONE"}));
+  EXPECT_EQ(warnings(index), std::vector<std::string>{incomplete});
+  EXPECT_EQ(warnings(folder / "disc"), std::vector<std::string>{incomplete});
+  EXPECT_EQ(warnings(folder.path()), std::vector<std::string>{incomplete});
+  std::vector<std::pair<std::string, std::string>> members;
+  for (const auto& file : fs::directory_iterator(folder / "disc")) {
+    members.emplace_back("disc/" + file.path().filename().string(), test::readBytes(file.path()));
+  }
+  test::writeArchive(folder / "disc.zip", "zip", members);
+  EXPECT_EQ(warnings(folder / "disc.zip"), std::vector<std::string>{incomplete});
+  test::writeBytes(index, directoryOf({"IMAGE00000", "IMAGE00611"}).substr(0, 300));
+  EXPECT_EQ(warnings(index),
+            std::vector<std::string>{"The DICOMDIR cannot be read to its end: whether all images "
+                                     "are there is not known."});
+}
+
 TEST(Dicom, NamesAreShownButNotKept) {
   TestFolder folder;
   writeDicomSeries(sample(2), folder.path(),
@@ -291,6 +436,37 @@ TEST(Dicom, NamesAreShownButNotKept) {
   ImportRequest request{.path = folder.path()};
   request.keepNames = true;
   EXPECT_EQ(importScan(request)->patientName, "Mustermann^Erika");
+}
+
+TEST(Dicom, AMapOfPerfusionIsNotTakenAsCt) {
+  TestFolder folder;
+  Volume v = sample(3);
+  v.modality = "CT";
+  writeDicomSeries(v, folder / "ct", {.imageType = "ORIGINAL\\PRIMARY\\AXIAL"});
+  EXPECT_EQ(importScan({.path = folder / "ct"})->volume.modality, "CT");
+  writeDicomSeries(v, folder / "map", {.imageType = "DERIVED\\PRIMARY\\PERFUSION\\RCBF"});
+  const auto map = importScan({.path = folder / "map"});
+  ASSERT_TRUE(map) << sentence(map.error());
+  EXPECT_EQ(map->volume.modality, "OT");
+  ASSERT_EQ(map->warnings.size(), 1U);
+  EXPECT_EQ(
+      map->warnings[0],
+      "The header says CT, but not that the values are Hounsfield units (image type PERFUSION "
+      "RCBF). It is taken as an image of another modality (OT); no CT preset fits it.");
+  EXPECT_EQ(listSeries(folder / "map")->series[0].modality, "OT");
+  // The unit alone says it too.
+  test::DicomBytes bytes;
+  bytes.pixels = test::plainPixels(128);
+  for (const auto& [unit, modality] :
+       {std::pair{"HU", "CT"}, std::pair{"US", "OT"}, std::pair{"MGML", "OT"}}) {
+    bytes.beforePixels = test::element(0x00281054, "LO", unit);
+    test::writeBytes(folder / "one", bytes.file());
+    EXPECT_EQ(importScan({.path = folder / "one"})->volume.modality, modality) << unit;
+  }
+  const auto warnings = importScan({.path = folder / "one"})->warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
+    return w.find("Hounsfield units (unit MGML)") != std::string::npos;
+  }));
 }
 
 TEST(Dicom, OneSliceWarns) {

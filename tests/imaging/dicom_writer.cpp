@@ -66,6 +66,7 @@ void writeDicomSeries(const Volume& volume, const std::filesystem::path& folder,
     put(d, DCM_StudyInstanceUID, "2.25.1000");
     put(d, DCM_SeriesInstanceUID, options.seriesUid);
     put(d, DCM_Modality, volume.modality.empty() ? "CT" : volume.modality);
+    if (!options.imageType.empty()) put(d, DCM_ImageType, options.imageType);
     put(d, DCM_PatientName, options.patientName);
     put(d, DCM_SeriesDescription, options.description);
     // Not in the order of the positions: the import must not use it.

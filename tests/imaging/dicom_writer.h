@@ -14,6 +14,7 @@ struct DicomWriterOptions {
   std::string seriesUid = "2.25.1001";
   std::string patientName = "Test^Patient";
   std::string description = "Written by a test";
+  std::string imageType = {};                          ///< Left out when empty.
   std::string transferSyntax = "1.2.840.10008.1.2.1";  ///< Explicit little-endian; DCMTK writes it.
   double slope = 1.0, intercept = 0.0;  ///< Values are stored as (value - intercept) / slope.
   /// Slices to write, in this order; all when empty.

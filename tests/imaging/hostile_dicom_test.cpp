@@ -8,12 +8,17 @@
 #include <cstdio>
 #include <fstream>
 
+#include "imaging/code_stream_size.h"
 #include "imaging/import.h"
 #include "tests/imaging/demo_files.h"
 #include "tests/imaging/dicom_bytes.h"
 #include "tests/imaging/dicom_writer.h"
 #include "tests/imaging/jpeg2000_writer.h"
 #include "tests/imaging/volume_samples.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace palpate {
 namespace {
@@ -302,6 +307,54 @@ TEST_F(Hostile, JpegStreamThatIsHuge) {
   }
 }
 
+TEST_F(Hostile, LargerImagesThanTheirBytesCanHold) {
+  for (const char* syntax : {test::kJpegLs, test::kJpeg2000}) {
+    DicomBytes d;
+    d.rows = d.columns = 4097;
+    d.pixels = encapsulated({std::string(20'000, '\xFF')});
+    const fs::path file = write(d.file(syntax));
+    EXPECT_EQ(refusalOf(file),
+              noVolume("it states an image of an impossible size (4097 x 4097 pixels, 1 frame)"));
+    const Error error = importScan({.path = file}).error();
+    EXPECT_EQ(error.field, "Columns, Rows, NumberOfFrames");
+    EXPECT_EQ(error.found,
+              "4097 x 4097 pixels, 1 frame in " + std::to_string(fs::file_size(file)) + " bytes");
+    EXPECT_EQ(error.expected, "at most 256 pixels a byte, and 2^31 in all");
+  }
+}
+
+/// Slices of nothing but zeros.
+Volume emptyVolume(std::int32_t side, std::int32_t slices) {
+  Volume v;
+  v.geometry.dims = {side, side, slices};
+  v.geometry.spacing = Eigen::Vector3d::Constant(1e-3);
+  v.int16.resize(v.geometry.voxelCount());
+  return v;
+}
+
+TEST_F(Hostile, AnEmptySliceIsReadAndAVolumeOfThemIsNot) {
+  test::writeDicomSeries(emptyVolume(1024, 1), folder / "one", {.transferSyntax = test::kJpegLs});
+  const fs::path slice = fs::directory_iterator(folder / "one")->path();
+  EXPECT_GT(1024 * 1024 / fs::file_size(slice), 256U) << "more than a stack may have";
+  EXPECT_EQ(refusalOf(slice), "accepted");
+  test::writeDicomSeries(emptyVolume(1024, 65), folder / "all", {.transferSyntax = test::kJpegLs});
+  EXPECT_EQ(refusalOf(folder / "all"),
+            noVolume("its files are far too small for the images that they state"));
+}
+
+TEST_F(Hostile, JpegOfThousandsOfScans) {
+  const std::string scan("\xFF\xDA\x00\x08\x01\x01\x00\x00\x3F\x00\x12", 11);
+  const std::string head("\xFF\xD8\xFF\xC2\x00\x0B\x08\x00\x0E\x00\x14\x01\x01\x11\x00", 15);
+  const auto isOfSize = [&](std::size_t scans) {
+    const std::string stream = head + repeated(scan, scans);
+    return jpegIsOfSize({reinterpret_cast<const std::uint8_t*>(stream.data()), stream.size()}, 20,
+                        14);
+  };
+  EXPECT_TRUE(isOfSize(10));
+  EXPECT_TRUE(isOfSize(1000));
+  EXPECT_FALSE(isOfSize(1001));
+}
+
 TEST_F(Hostile, ImpossibleNumbersOfFrames) {
   for (const char* count : {"2147483647", "-5", "many", "1.5", "1e9", "100001", "nan"}) {
     DicomBytes d = image();
@@ -419,6 +472,46 @@ TEST_F(Hostile, PlacesAndSpacingsBeyondAnyScanner) {
   EXPECT_NE(refusal(file), "accepted");
 }
 
+/// `text` in place of the first `from`, as long.
+std::string changed(std::string file, const std::string& from, const std::string& text) {
+  EXPECT_EQ(from.size(), text.size());
+  return file.replace(file.find(from), from.size(), text);
+}
+
+TEST_F(Hostile, RefusalsNameTheAttributeAndItsValue) {
+  const std::string file = image().file();
+  DicomBytes frames = image();
+  frames.frameCount = "1.5";
+  DicomBytes bits = image();
+  bits.bitsAllocated = 7;
+  DicomBytes nowhere = image();
+  nowhere.ownGeometry = false;
+  const struct {
+    std::string bytes, field, found;
+  } all[] = {
+      {changed(file, "0.5\\0.5", "0.0\\0.0"), "PixelSpacing", "0\\0"},
+      {nowhere.file(), "PixelSpacing", "no such numbers"},
+      {changed(file, "1\\0\\0\\0\\1\\0", "0\\0\\0\\0\\2\\0"), "ImageOrientationPatient",
+       "0\\0\\0\\0\\2\\0"},
+      {withNumber(file, kRows, 0), "Rows, Columns", "0, 8"},
+      {withNumber(file, kRows, 65535), "PixelData", "128 bytes"},
+      {withNumber(file, 0x00280002, 3), "SamplesPerPixel", "3"},
+      {changed(file, "MONOCHROME2", "YBR_FULL   "), "PhotometricInterpretation", "YBR_FULL"},
+      {withNumber(file, 0x00280100, 1), "BitsAllocated", "1"},
+      {bits.file(), "BitsAllocated, BitsStored, HighBit", "7, 16, 15"},
+      {frames.file(), "NumberOfFrames", "1.5"},
+      {changed(file, test::tagBytes(kRows), test::tagBytes(0x00280009)), "SOPClassUID",
+       "CTImageStorage"},
+  };
+  for (const auto& c : all) {
+    const auto scan = importScan({.path = write(c.bytes)});
+    ASSERT_FALSE(scan) << c.field;
+    EXPECT_EQ(scan.error().field.value_or("none"), c.field) << sentence(scan.error());
+    EXPECT_EQ(scan.error().found.value_or("none"), c.found) << sentence(scan.error());
+    EXPECT_TRUE(scan.error().expected) << sentence(scan.error());
+  }
+}
+
 TEST_F(Hostile, TableOfImpossibleNumbers) {
   DicomBytes d = image();
   d.beforePixels = sequence(0x00283000, {element(0x00283002, "DS", "1e300\\-1e300\\16") +
@@ -426,12 +519,30 @@ TEST_F(Hostile, TableOfImpossibleNumbers) {
   EXPECT_EQ(refusal(d.file()), notDecoded("its modality table cannot be read"));
 }
 
-/// DCMTK 3.6.7 throws there.
+/// DCMTK 3.6.7 throws there, and loses what it read so far: a leak of its own, of that one file.
 TEST_F(Hostile, DirectoryRecordWithAZeroByteInItsKind) {
+#if defined(__SANITIZE_ADDRESS__)
+  const __lsan::ScopedDisabler leaksInDcmtk;
+#endif
   DicomBytes d = image();
   const std::string record =
       element(0x00041430, "CS", std::string("PATIENT ") + std::string(120, '\0') + "\xFF");
   EXPECT_NE(refusal(part10(kExplicitVr, sequence(0x00041220, {record, record}) + d.dataset())), "");
+}
+
+TEST_F(Hostile, DirectoriesOfManyAndDeepRecords) {
+  write(image().file(), "IMAGE");
+  const std::string deep = repeated(elementHead(0x00041220, "SQ", kUndefinedLength) +
+                                        test::tagBytes(0xFFFEE000) + little(kUndefinedLength, 4),
+                                    100'000);
+  const std::vector<std::string> many(
+      50'000, element(0x00041430, "CS", "IMAGE") + element(0x00041500, "CS", "..\\..\\IMAGE"));
+  const std::string long_ = element(0x00041500, "UT", std::string(1'000'000, 'x'));
+  for (const std::string& records : {deep, sequence(0x00041220, many),
+                                     sequence(0x00041220, std::vector<std::string>(20, long_))}) {
+    write(part10(kExplicitVr, records), "DICOMDIR");
+    EXPECT_EQ(refusalOf(folder.path()), "accepted");
+  }
 }
 
 TEST_F(Hostile, RepairDoesNotInventAVolume) {

@@ -80,6 +80,9 @@ def chain(watch, number, scan, options, bone):
     watch.run("series", scan)
     watch.run("import", scan, "--out", case, *options, "--verbose")
     watch.run("segment", case, *bone, "--label", "bone", "--json")
+    for ending in ("dcm", "mha", "nrrd", "seg.nrrd", "stl", "ply", "obj"):
+        watch.run("export", case, "--out", f"labels{number}.{ending}")
+    watch.run("segment", case, "--from", f"labels{number}.dcm")
     watch.run("tree", case, "--label", "bone", "--json")
     watch.run("simulate", case, "--seconds", "0.2", "--record", session, "--samples",
               f"{session}.csv", "--steps", f"{session}.steps.csv", "--explain", "--json")

@@ -10,6 +10,8 @@
 
 #include "core/session/replay.h"
 #include "imaging/case_folder.h"
+#include "imaging/segment/apply.h"
+#include "imaging/segment/case_recipe.h"
 #include "tests/ui/synthetic_case.h"
 #include "ui/picture.h"
 
@@ -160,6 +162,62 @@ TEST_F(DesktopTest, SegmentingInTheWindowGivesTheLabelOfTheCommand) {
     const double hu = volume->value(i);
     ASSERT_EQ(after->labels[i] != 0, hu >= 226 && hu <= 3071) << hu;
   }
+}
+
+/// A chain of tools, undo, redo, a new name: what is on disk is what the kept recipe makes again.
+TEST_F(DesktopTest, WhatTheWindowDidIsRebuiltFromItsRecipe) {
+  std::error_code ignored;
+  fs::remove(folder_ / "case/labels.mha", ignored);
+  fs::remove(folder_ / "case/labels.toml", ignored);
+  DesktopOptions o = options();
+  o.task = "segment";
+  script(o,
+         "wait-idle\nwait 3\nclick-item Segment tissue\nwait-idle\nwait 3\n"
+         "click-item Margin\nwait 10\nwait-idle\nclick-item Apply Margin\nwait-idle\nwait 3\n"
+         "click-item Undo\nwait-idle\nwait 3\nclick-item Redo\nwait-idle\nwait 3\n"
+         "click-item Scissors\nwait 2\nmove 600 200\npress left\nmove 700 200\nwait 1\n"
+         "move 700 330\nwait 1\nmove 600 330\nwait 1\nrelease left\nwait-idle\nwait 3\n"
+         "click-item Paint\nwait 2\ndrag 1130 150 1160 170\nwait-idle\nwait 3\n"
+         "click-item Name, colour, material of bone\nwait 2\nclick-item Colour 5\nwait-idle\n"
+         "wait 3\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  const auto volume = readCaseVolume(folder_ / "case");
+  const auto labels = readCaseLabels(folder_ / "case");
+  const auto table = readCaseLabelTable(folder_ / "case");
+  const CaseRecipe recipe = readCaseRecipe(folder_ / "case");
+  ASSERT_TRUE(volume && labels && table);
+  EXPECT_TRUE(recipe.whole);
+  std::vector<std::string> tools;
+  LabelState rebuilt;
+  for (const LabelStep& step : recipe.steps) {
+    tools.push_back(toolTitle(step.tool));
+    auto next = applyStep(*volume, rebuilt, step);
+    ASSERT_TRUE(next) << sentence(next.error());
+    // A millimetre and a half is less than a voxel of this head: the margin changes nothing.
+    if (tools.back() != "Margin") {
+      EXPECT_NE(next->labels.labels, rebuilt.labels.labels) << tools.back();
+    }
+    rebuilt = std::move(*next);
+  }
+  EXPECT_EQ(tools, (std::vector<std::string>{"Threshold", "Margin", "Scissors", "Brush"}));
+  EXPECT_EQ(rebuilt.labels.labels, labels->labels);
+  ASSERT_EQ(table->size(), 1U);
+  EXPECT_EQ((*table)[0].colour, (std::array<std::uint8_t, 3>{0, 158, 115}));
+}
+
+/// "Stop" is on the screen only while the simulation runs; the script fails where it is not.
+TEST_F(DesktopTest, AnEditGoesIntoTheRunningSimulation) {
+  DesktopOptions o = options();
+  o.task = "segment";
+  script(o,
+         "wait-idle\nwait 3\nclick-item Touch it\nwait-idle\nwait 30\nmove-item Stop\n"
+         "key 2\nwait 3\nclick-item Margin\nwait 10\nwait-idle\nclick-item Apply Margin\n"
+         "wait-idle\nwait 30\nkey 3\nwait 3\nclick-item Stop\nwait 3\nmove-item Start\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  const auto labels = readCaseLabels(folder_ / "case");
+  ASSERT_TRUE(labels);
+  EXPECT_EQ(readCaseRecipe(folder_ / "case").steps.size(), 1U);
+  EXPECT_FALSE(readCaseRecipe(folder_ / "case").whole);
 }
 
 }  // namespace

@@ -170,5 +170,18 @@ TEST(GreyNormals, PointOutOfTheLabelAndYieldToItWhereTheyDisagree) {
   EXPECT_FLOAT_EQ(chunks[0].normals[6], 1.0F);
 }
 
+TEST(StartingWindow, OfACtIsTheUsualOneUnlessItWouldShowNothing) {
+  Volume ct = test::syntheticHead(24);
+  ASSERT_EQ(ct.modality, "CT");
+  EXPECT_EQ(startingWindow(ct), (std::array<double, 2>{400.0, 2000.0}));
+  // All of it below the window, as where a scanner's own units are stored.
+  for (std::size_t i = 0; i < ct.int16.size(); ++i) {
+    ct.int16[i] = static_cast<std::int16_t>(-1024 + static_cast<int>(i % 200));
+  }
+  const auto [level, width] = startingWindow(ct);
+  EXPECT_NEAR(level, -924.0, 5.0);
+  EXPECT_NEAR(width, 198.0, 8.0);
+}
+
 }  // namespace
 }  // namespace palpate::ui

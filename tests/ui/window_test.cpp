@@ -1,5 +1,6 @@
 /// The window drawn whole, against a picture that was looked at. Needs a display (Xvfb in CI).
 
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -250,6 +251,35 @@ TEST_F(InteractionTest, ArmingLastsAsLongAsItIsHeld) {
     if (const auto* arm = std::get_if<act::Arm>(&action)) arms.push_back(arm->on);
   }
   EXPECT_EQ(arms, (std::vector<bool>{true, false}));
+}
+
+TEST_F(InteractionTest, AReturnShorterThanAFrameImportsThePath) {
+  shown_.model.task = Task::Library;
+  (void)play("wait 2\nclick-item Path of the scan\nwait 1\ntext /scans/head\nwait 1");
+  // As GLFW gives it when both come between two frames.
+  GLFWwindow* window = glfwGetCurrentContext();
+  const GLFWkeyfun stroke = glfwSetKeyCallback(window, nullptr);
+  glfwSetKeyCallback(window, stroke);
+  stroke(window, GLFW_KEY_ENTER, 0, GLFW_PRESS, 0);
+  stroke(window, GLFW_KEY_ENTER, 0, GLFW_RELEASE, 0);
+  const Actions actions = play("wait 3");
+  ASSERT_EQ(countOf<act::Import>(actions), 1);
+  for (const Action& action : actions) {
+    if (const auto* wish = std::get_if<act::Import>(&action)) {
+      EXPECT_EQ(wish->path, "/scans/head");
+    }
+  }
+}
+
+TEST_F(InteractionTest, ANameInAnotherScriptIsDrawnFromTheNextFrameOn) {
+  shown_.model.task = Task::Library;
+  SeriesRow series;
+  series.uid = "1";
+  series.study = "\xe5\xb1\xb1\xe7\x94\xb0";
+  shown_.model.library.series = {series};
+  (void)play("wait 2");
+  EXPECT_NE(window_->fonts().body->FindGlyphNoFallback(0x5c71), nullptr);
+  EXPECT_NE(window_->fonts().body->FindGlyphNoFallback('a'), nullptr);
 }
 
 TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {

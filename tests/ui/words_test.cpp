@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -150,6 +151,66 @@ TEST(Pictures, ComeBackFromAFileAsTheyWere) {
   const auto refused = writePng(a, "/nowhere/at/all.png");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::Machine);
+}
+
+// A name of the DICOM standard: Yamada Tarou, and Hong Gildong.
+constexpr const char* kYamada = "\xe5\xb1\xb1\xe7\x94\xb0\xe3\x81\x9f";
+constexpr const char* kHong = "\xed\x99\x8d";
+
+class FontsTest : public ::testing::Test {
+ protected:
+  void SetUp() override { ImGui::CreateContext(); }
+  void TearDown() override { ImGui::DestroyContext(); }
+  static bool has(const Fonts& fonts, ImWchar c) {
+    return fonts.body->FindGlyphNoFallback(c) != nullptr &&
+           fonts.secondary->FindGlyphNoFallback(c) != nullptr;
+  }
+};
+
+TEST_F(FontsTest, NamesInOtherScriptsAreLoadedWhenTheyAreNeeded) {
+  RareCharacters rare;
+  auto fonts = loadFonts("/usr/share/fonts", 1.0F, rare);
+  ASSERT_TRUE(fonts) << sentence(fonts.error());
+  EXPECT_FALSE(has(*fonts, 0x5c71)) << "at the start only what every window needs";
+  EXPECT_TRUE(rare.add(kYamada));
+  EXPECT_TRUE(rare.add(kHong));
+  fonts = loadFonts("/usr/share/fonts", 1.0F, rare);
+  ASSERT_TRUE(fonts) << sentence(fonts.error());
+  for (const char16_t c : {u'\u5c71', u'\u7530', u'\u305f', u'\ud64d'}) {
+    EXPECT_TRUE(has(*fonts, c)) << static_cast<int>(c);
+  }
+  EXPECT_FALSE(has(*fonts, 0x5c72)) << "and no others";
+  EXPECT_EQ(fonts->body->FindGlyph('0')->AdvanceX, fonts->body->FindGlyph('1')->AdvanceX);
+}
+
+TEST_F(FontsTest, WithoutTheFontOfOtherScriptsTheRestStillLoads) {
+  char name[] = "/tmp/palpate_fonts_XXXXXX";
+  const std::filesystem::path folder = ::mkdtemp(name);
+  std::filesystem::create_directory(folder / "truetype");
+  std::filesystem::create_directory_symlink("/usr/share/fonts/opentype", folder / "opentype");
+  std::filesystem::create_directory_symlink("/usr/share/fonts/truetype/font-awesome",
+                                            folder / "truetype/font-awesome");
+  RareCharacters rare;
+  EXPECT_TRUE(rare.add(kYamada));
+  const auto fonts = loadFonts(folder, 1.0F, rare);
+  std::filesystem::remove_all(folder);
+  ASSERT_TRUE(fonts) << sentence(fonts.error());
+  EXPECT_FALSE(has(*fonts, 0x5c71));
+  EXPECT_TRUE(has(*fonts, 'a'));
+  EXPECT_EQ(fonts->body->FallbackChar, '?');
+}
+
+TEST(RareCharacters, AreWhatTheFontsDoNotAlwaysHold) {
+  RareCharacters rare;
+  EXPECT_FALSE(rare.add("Doe \xc2\xb7 256 \xc3\x97 256, \xd0\x9b\xd1\x8e, \xce\x94"))
+      << "Latin, Cyrillic, Greek, signs";
+  EXPECT_FALSE(rare.add("\xff\xfe\xe5\xb1")) << "broken UTF-8";
+  EXPECT_FALSE(rare.add("\xf0\xa0\x80\x80")) << "beyond the plane that ImGui knows";
+  EXPECT_TRUE(rare.add(kYamada));
+  EXPECT_FALSE(rare.add(kYamada)) << "known by now";
+  EXPECT_TRUE(rare.add("\xe5\xb1\xb2")) << "the one behind the first";
+  EXPECT_EQ(rare.ranges(),
+            (std::vector<ImWchar>{0x305f, 0x305f, 0x5c71, 0x5c72, 0x7530, 0x7530, 0}));
 }
 
 class StripTest : public ::testing::Test {

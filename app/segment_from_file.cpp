@@ -1,0 +1,54 @@
+#include "app/segment_from_file.h"
+
+#include "app/label_report.h"
+#include "app/program_paths.h"
+#include "core/base/whole_file.h"
+#include "core/scene/anatomy.h"
+#include "imaging/case_folder.h"
+#include "imaging/exchange/label_exchange.h"
+
+namespace palpate {
+
+Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
+                                      const CommandContext& context) {
+  if (request.partOptions) {
+    return fail(usageError("--largest and --min-mm3 do not go with --from.")
+                    .advise("Labels of a file are taken as they are."));
+  }
+  context.progress(0.0, "Reading the case");
+  const Result<CaseInfo> info = readCaseInfo(request.caseFolder);
+  if (!info) return fail(info.error());
+  if (auto writable = checkWritable(request.caseFolder); !writable) return fail(writable.error());
+  LabelGrid labels{info->geometry, {}};
+  LabelTable table;
+  if (caseHasLabels(request.caseFolder)) {
+    Result<LabelGrid> there = readCaseLabels(request.caseFolder);
+    if (!there) return fail(there.error());
+    labels = std::move(*there);
+    Result<LabelTable> rows = readCaseLabelTable(request.caseFolder);
+    if (!rows) return fail(rows.error());
+    table = std::move(*rows);
+  } else {
+    labels.labels.assign(info->geometry.voxelCount(), 0);
+  }
+  Result<FoundLabels> found =
+      importLabels(request.file, info->geometry, request.label, context.progress);
+  if (!found) return fail(found.error());
+  LabelTable usual;
+  if (const auto datasets = datasetsFolder()) {
+    if (const auto anatomies = readAnatomies(*datasets / "labels.toml")) {
+      for (const Anatomy& a : *anatomies) usual.push_back({a.name, 0, a.colour, a.material});
+    }
+  }
+  if (auto merged = mergeLabels(*found, labels, table, found->warnings, usual); !merged) {
+    return fail(merged.error());
+  }
+  if (context.progress.cancelled()) return fail(cancelled());
+  if (auto written = writeCaseLabels(request.caseFolder, labels, table); !written) {
+    return fail(written.error());
+  }
+  context.progress(1.0, "Labels taken over");
+  return labelReport(labels, table, std::move(found->warnings));
+}
+
+}  // namespace palpate

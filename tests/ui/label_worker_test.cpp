@@ -1,0 +1,175 @@
+/// Segmentation beside the window: previews change nothing, steps do, all comes back. No display.
+
+#include "app/label_worker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+using Kind = LabelWorker::Kind;
+
+/// A cube of 226 in air, 40 voxels wide, and a small one.
+std::shared_ptr<const Volume> cubes() {
+  auto volume = std::make_shared<Volume>();
+  volume->geometry.dims = {48, 48, 48};
+  volume->modality = "CT";
+  volume->int16.assign(volume->geometry.voxelCount(), -1000);
+  for (int k = 4; k < 44; ++k) {
+    for (int j = 4; j < 44; ++j) {
+      for (int i = 4; i < 44; ++i) volume->int16[volume->geometry.index(i, j, k)] = 600;
+    }
+  }
+  volume->int16[volume->geometry.index(46, 46, 46)] = 600;
+  return volume;
+}
+
+LabelStep bone() {
+  return {"bone", tool::Threshold{{226, 3071}}, {}, {}};
+}
+
+LabelStep margin(tool::Margin::Operation operation, double mm) {
+  return {"bone", tool::Margin{operation, mm}, {}, {}};
+}
+
+struct Worker : testing::Test {
+  Worker() { worker.open(cubes(), nullptr, 1); }
+  std::vector<LabelWorker::Outcome> all() {
+    worker.finish();
+    std::vector<LabelWorker::Outcome> outcomes;
+    while (auto outcome = worker.poll()) outcomes.push_back(std::move(*outcome));
+    return outcomes;
+  }
+  static std::int64_t count(const SharedLabels& labels) {
+    return std::count(labels->labels.labels.begin(), labels->labels.labels.end(), 1);
+  }
+  LabelWorker worker;
+};
+
+TEST_F(Worker, AStepGivesItsLabelsThenTheirSurfaces) {
+  worker.commit(bone());
+  const auto outcomes = all();
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].kind, Kind::Step);
+  EXPECT_EQ(count(outcomes[0].labels), 64001);
+  EXPECT_EQ(outcomes[1].kind, Kind::Surfaces);
+  ASSERT_EQ(outcomes[1].surfaces.size(), 1U);
+  EXPECT_FALSE(outcomes[1].surfaces[0].chunks.empty());
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST_F(Worker, APreviewChangesNothing) {
+  worker.commit(bone());
+  (void)all();
+  worker.preview(margin(tool::Margin::Operation::Erode, 1.0));
+  const auto outcomes = all();
+  ASSERT_FALSE(outcomes.empty());
+  EXPECT_EQ(outcomes[0].kind, Kind::Preview);
+  EXPECT_EQ(count(outcomes[0].labels), 38 * 38 * 38);
+  worker.dropPreview();
+  worker.commit(margin(tool::Margin::Operation::Dilate, 0.0));
+  EXPECT_EQ(count(all()[0].labels), 64001);
+}
+
+TEST_F(Worker, ApplyingWhatWasPreviewedTakesThePreviewsLabels) {
+  worker.commit(bone());
+  (void)all();
+  const LabelStep step = margin(tool::Margin::Operation::Erode, 1.0);
+  worker.preview(step);
+  const auto previewed = all();
+  worker.commit(step);
+  const auto applied = all();
+  ASSERT_FALSE(previewed.empty());
+  ASSERT_FALSE(applied.empty());
+  EXPECT_EQ(applied[0].kind, Kind::Step);
+  EXPECT_EQ(applied[0].labels.get(), previewed[0].labels.get());  // not computed again
+}
+
+TEST_F(Worker, OfManyPreviewsTheNewestIsShownLast) {
+  worker.commit(bone());
+  (void)all();
+  for (int i = 1; i <= 10; ++i) worker.preview(margin(tool::Margin::Operation::Erode, 1.0 * i));
+  const auto outcomes = all();
+  ASSERT_FALSE(outcomes.empty());
+  const auto last = std::find_if(outcomes.rbegin(), outcomes.rend(),
+                                 [](const auto& o) { return o.kind == Kind::Preview; });
+  ASSERT_NE(last, outcomes.rend());
+  EXPECT_EQ(count(last->labels), 20 * 20 * 20);
+  EXPECT_LT(outcomes.size(), 20U);
+}
+
+TEST_F(Worker, StepsBuildOnEachOtherAndComeBackOneByOne) {
+  worker.commit(bone());
+  worker.commit({"bone", tool::Islands{}, {}, {}});
+  worker.commit(margin(tool::Margin::Operation::Erode, 1.0));
+  std::vector<LabelWorker::Outcome> steps;
+  for (auto& outcome : all()) {
+    if (outcome.kind == Kind::Step) steps.push_back(std::move(outcome));
+  }
+  ASSERT_EQ(steps.size(), 3U);
+  EXPECT_EQ(count(steps[1].labels), 64000);
+  EXPECT_EQ(count(steps[2].labels), 38 * 38 * 38);
+  for (std::size_t i = 3; i-- > 1;) {
+    worker.restore(steps[i].before);
+    const auto outcomes = all();
+    ASSERT_FALSE(outcomes.empty());
+    EXPECT_EQ(outcomes[0].kind, Kind::Restored);
+    EXPECT_EQ(outcomes[0].labels->labels.labels, steps[i - 1].labels->labels.labels);
+  }
+}
+
+TEST_F(Worker, ARefusedStepLeavesTheLabelsAsTheyWere) {
+  worker.commit(bone());
+  worker.commit(margin(tool::Margin::Operation::Erode, 150.0));
+  worker.commit(margin(tool::Margin::Operation::Erode, 1.0));
+  std::vector<std::int64_t> counts;
+  for (const auto& outcome : all()) {
+    if (outcome.kind == Kind::Step) counts.push_back(outcome.labels ? count(outcome.labels) : -1);
+  }
+  EXPECT_EQ(counts, (std::vector<std::int64_t>{64001, -1, 38 * 38 * 38}));
+}
+
+TEST_F(Worker, AnotherCaseHearsNothingOfTheLast) {
+  worker.commit(bone());
+  worker.open(cubes(), nullptr, 1);
+  for (const auto& outcome : all()) EXPECT_EQ(outcome.labels, nullptr);
+  worker.close();
+  worker.commit(bone());
+  EXPECT_TRUE(all().empty());
+}
+
+TEST_F(Worker, CancelStopsWhatRunsAndForgetsWhatWaits) {
+  for (int i = 0; i < 20; ++i) worker.commit(bone());
+  worker.cancel();
+  std::size_t steps = 0;
+  for (const auto& outcome : all()) steps += outcome.kind == Kind::Step && outcome.labels ? 1 : 0;
+  EXPECT_LT(steps, 20U);
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST(PackedLabels, ComeBackEqual) {
+  LabelGrid labels;
+  labels.geometry.dims = {17, 5, 9};
+  labels.labels.resize(labels.geometry.voxelCount());
+  for (std::size_t i = 0; i < labels.labels.size(); ++i) {
+    labels.labels[i] = static_cast<std::uint8_t>((i * i / 7) % 5);
+  }
+  const PackedLabels packed(labels);
+  EXPECT_EQ(packed.unpack().labels, labels.labels);
+  EXPECT_EQ(packed.unpack().geometry.dims, labels.geometry.dims);
+}
+
+TEST(ChangedLabels, AreThoseWhoseVoxelsOrRowsDiffer) {
+  LabelState a, b;
+  a.labels.labels = {0, 1, 1, 2, 3};
+  b.labels.labels = {0, 1, 4, 2, 3};
+  a.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}};
+  b.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}};
+  EXPECT_EQ(changedLabels(a, b), (std::vector<std::uint8_t>{1, 4, 5}));
+  EXPECT_TRUE(changedLabels(a, a).empty());
+}
+
+}  // namespace
+}  // namespace palpate
