@@ -86,7 +86,7 @@ class Case:
         return json.loads(done.stdout)
 
     def segment(self, recipe):
-        for name in ("labels.mha", "labels.toml"):
+        for name in ("labels.mha", "labels.toml", "segment.toml"):
             (self.folder / name).unlink(missing_ok=True)
         (self.work / "recipe.toml").write_text(recipe)
         self.run("segment", self.folder, "--recipe", self.work / "recipe.toml")

@@ -188,6 +188,7 @@ def main():
                 continue
             for file in ("labels.mha", "labels.toml"):
                 shutil.copy(work / file, case / file)
+            (case / "segment.toml").unlink(missing_ok=True)
             recipe.write_text(text)
             try:
                 said, seconds, peak = run(palpate, "segment", case, "--recipe", recipe)
