@@ -119,7 +119,6 @@ class Desktop {
   ui::Model model_;
   RecentCases recent_;
   std::optional<OpenCase> open_;
-  SharedLabels shown_;  ///< The labels as they are, without a preview.
   std::vector<UndoEntry> undo_, redo_;
   Restoring restoring_ = Restoring::No;
   CaseRecipe recipe_;

@@ -33,21 +33,18 @@ std::string describe(const LabelStep& step) {
   return toolTitle(step.tool) + ", " + step.label;
 }
 
-/// "bone: 432,952 voxels (1,203 fewer)"
-std::string compared(const LabelStep& step, const LabelState& before, const LabelState& after) {
-  const auto count = [&step](const LabelState& state) -> std::int64_t {
-    for (const LabelInfo& row : state.table) {
-      if (row.name != step.label) continue;
-      return std::count(state.labels.labels.begin(), state.labels.labels.end(), row.value);
-    }
-    return 0;
-  };
-  const std::int64_t was = count(before), is = count(after);
-  const auto many = [](std::int64_t n) { return ui::grouped(static_cast<std::uint64_t>(n)); };
-  const std::string change = is > was   ? many(is - was) + " more"
-                             : is < was ? many(was - is) + " fewer"
+/// "Preview: 432 952 voxels, 1 203 fewer"
+std::string compared(std::uint64_t was, std::uint64_t is) {
+  const std::string change = is > was   ? ui::grouped(is - was) + " more"
+                             : is < was ? ui::grouped(was - is) + " fewer"
                                         : std::string("no change");
-  return "Preview: " + many(is) + " voxels, " + change;
+  return "Preview: " + ui::grouped(is) + (is == 1 ? " voxel, " : " voxels, ") + change;
+}
+
+/// Without the step's key: the window's words are on its controls.
+Error inPlainWords(Error error) {
+  error.field.reset();
+  return error;
 }
 
 }  // namespace
@@ -85,7 +82,6 @@ void Desktop::takeLabels(const SharedLabels& state) {
   const bool some = !state->labels.labels.empty() && !state->table.empty();
   open_->labels = some ? std::shared_ptr<const LabelGrid>(state, &state->labels) : nullptr;
   open_->table = state->table;
-  shown_ = state;
   model_.segment.labels = rowsOf(*state);
   model_.segment.previewShown = false;
   describeUndo();
@@ -131,7 +127,7 @@ void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
   if (!outcome.labels) {
     restoring_ = Restoring::No;
     dropPreview();
-    return complain(outcome.error, "The labels are as they were.");
+    return complain(inPlainWords(outcome.error), "The labels are as they were.");
   }
   const UndoEntry past{outcome.before, outcome.before->table, "", recipe_};
   if (outcome.kind == Kind::Step) {
@@ -165,10 +161,10 @@ void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
   segment.previewRefused = outcome.labels == nullptr;
   if (segment.previewRefused) {
     const bool stopped = outcome.error.kind == ErrorKind::Cancelled;
-    segment.previewText = stopped ? std::string() : sentence(outcome.error);
+    segment.previewText = stopped ? std::string() : sentence(inPlainWords(outcome.error));
     return;
   }
-  segment.previewText = compared(outcome.step, *shown_, *outcome.labels);
+  segment.previewText = compared(outcome.voxelsBefore, outcome.voxelsAfter);
   segment.previewShown = true;
   workspace_->showLabels(std::shared_ptr<const LabelGrid>(outcome.labels, &outcome.labels->labels));
   workspace_->showRows(rowsOf(*outcome.labels));

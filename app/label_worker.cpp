@@ -6,6 +6,17 @@
 #include "imaging/segment/recipe.h"
 
 namespace palpate {
+namespace {
+
+std::uint64_t voxelsOf(const LabelState& state, const std::string& label) {
+  const auto row = std::find_if(state.table.begin(), state.table.end(),
+                                [&label](const LabelInfo& l) { return l.name == label; });
+  if (row == state.table.end()) return 0;
+  return static_cast<std::uint64_t>(
+      std::count(state.labels.labels.begin(), state.labels.labels.end(), row->value));
+}
+
+}  // namespace
 
 LabelWorker::LabelWorker() {
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
@@ -198,6 +209,10 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
     return deliver(std::move(outcome), generation);
   }
   outcome.labels = *after;
+  if (request.kind == Kind::Preview) {
+    outcome.voxelsBefore = voxelsOf(*before, request.step.label);
+    outcome.voxelsAfter = voxelsOf(**after, request.step.label);
+  }
   if (request.kind != Kind::Preview) {
     outcome.before = std::make_shared<const PackedState>(
         PackedState{PackedLabels(before->labels), before->table});

@@ -44,6 +44,7 @@ class LabelWorker {
     LabelStep step;
     Error error;  ///< Where `labels` is null.
     SharedLabels labels;
+    std::uint64_t voxelsBefore = 0, voxelsAfter = 0;  ///< Of the step's label; previews only.
     std::shared_ptr<const PackedState> before;
     std::vector<LabelSurface> surfaces;
   };

@@ -111,6 +111,7 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       actions.push_back(act::ForceOff{});
       if (model.simulate.grabbed) actions.push_back(act::Grab{false});
       help_ = false;
+      if (model.task == Task::Segment) segment_.forget();
       fill(std::nullopt);
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '4') {
       actions.push_back(act::ShowTask{static_cast<Task>(key[0] - '1')});

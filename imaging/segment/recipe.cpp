@@ -1,5 +1,9 @@
 #include "imaging/segment/recipe.h"
 
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
 #include "imaging/segment/recipe_reader.h"
 
 namespace palpate {
@@ -242,14 +246,19 @@ struct Writer {
 
 Result<std::vector<LabelStep>> readRecipe(const fs::path& file) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) {
+  std::ifstream in(file, std::ios::binary);
+  if (!fs::is_regular_file(file, error) || !in) {
     return fail(inputRefused("There is no recipe of that name.")
                     .inFile(file.string())
                     .wants("a TOML file with [[step]] tables")
                     .advise("Check the path."));
   }
+  return parseRecipe({std::istreambuf_iterator<char>(in), {}}, file);
+}
+
+Result<std::vector<LabelStep>> parseRecipe(const std::string& text, const fs::path& file) {
   try {
-    return stepsOf(toml::parse_file(file.string()), file);
+    return stepsOf(toml::parse(text), file);
   } catch (const toml::parse_error& problem) {
     return fail(recipeRefused(file, "line " + std::to_string(problem.source().begin.line),
                               "The recipe is not TOML: " + std::string(problem.description()) + ".",

@@ -16,6 +16,9 @@ namespace palpate {
 
 /// Refuses unknown keys, wrong types and values out of range, by file, step and key.
 [[nodiscard]] Result<std::vector<LabelStep>> readRecipe(const std::filesystem::path& tomlFile);
+/// The same from text; `file` is for messages.
+[[nodiscard]] Result<std::vector<LabelStep>> parseRecipe(const std::string& text,
+                                                         const std::filesystem::path& file);
 /// Steps as inline tables ("tool = 'margin', label = 'bone', operation = 'close', mm = 2"), as a
 /// command line gives them.
 [[nodiscard]] Result<std::vector<LabelStep>> readSteps(
