@@ -134,7 +134,7 @@ void drawShortcuts(const Painter& paint, const Rect& window, bool& help) {
     heading(paint, "Shortcuts");
     for (const auto& row : kRows) {
       ImGui::TextColored(paint.theme.accent, "%s", row[0]);
-      ImGui::SameLine(paint.px(130.0F));
+      ImGui::SameLine(paint.px(150.0F));
       ImGui::TextUnformatted(row[1]);
     }
     space(paint, 4.0F);

@@ -45,6 +45,14 @@ std::string keyName(int key) {
   return {};
 }
 
+/// As the user's keyboard has it: GLFW's names of letters are those of a US keyboard's places.
+std::string nameHere(int key) {
+  const bool letter = key >= GLFW_KEY_A && key <= GLFW_KEY_Z;
+  const char* here = letter ? glfwGetKeyName(key, 0) : nullptr;
+  const bool plain = here != nullptr && here[0] >= 'a' && here[0] <= 'z' && here[1] == '\0';
+  return plain ? std::string(here) : keyName(key);
+}
+
 /// The first with that name; -1 where there is none.
 int keyNamed(const std::string& name) {
   for (int key = GLFW_KEY_0; key <= GLFW_KEY_Z; ++key) {
@@ -148,9 +156,10 @@ void Window::onCharacter(GLFWwindow* window, unsigned int character) {
 void Window::keyChanged(int key, bool down) {
   if (key < 0) return;
   typed_.push({.key = key, .down = down});
-  const std::string name = keyName(key);
+  const std::string name = nameHere(key);
   if (name.empty()) return;
-  if (down) keys_.push_back(name);
+  // As the key goes down: by the next frame Ctrl may be up again.
+  if (down) keys_.push_back(keyHeld("ctrl") && name != "escape" ? "ctrl+" + name : name);
   held_[name] = down;
 }
 

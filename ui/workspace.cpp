@@ -125,9 +125,9 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       centreOn(position(model.snapshot->tool));
     } else if (key == "a" && model.simulate.latch && model.simulate.running) {
       actions.push_back(act::Arm{!model.simulate.armed});
-    } else if (key == "z" && window.keyHeld("ctrl")) {
+    } else if (key == "ctrl+z") {
       actions.push_back(act::Undo{});
-    } else if (key == "y" && window.keyHeld("ctrl")) {
+    } else if (key == "ctrl+y") {
       actions.push_back(act::Redo{});
     } else if (key == "v") {
       state_.volumeRendering = !state_.volumeRendering;

@@ -174,7 +174,8 @@ TEST_F(DesktopTest, WhatTheWindowDidIsRebuiltFromItsRecipe) {
   script(o,
          "wait-idle\nwait 3\nclick-item Segment tissue\nwait-idle\nwait 3\n"
          "click-item Margin\nwait 10\nwait-idle\nclick-item Apply Margin\nwait-idle\nwait 3\n"
-         "click-item Undo\nwait-idle\nwait 3\nclick-item Redo\nwait-idle\nwait 3\n"
+         "hold ctrl\nkey z\nlet ctrl\nwait-idle\nwait 3\n"
+         "hold ctrl\nkey y\nlet ctrl\nwait-idle\nwait 3\n"
          "click-item Scissors\nwait 2\nmove 600 200\npress left\nmove 700 200\nwait 1\n"
          "move 700 330\nwait 1\nmove 600 330\nwait 1\nrelease left\nwait-idle\nwait 3\n"
          "click-item Paint\nwait 2\ndrag 1130 150 1160 170\nwait-idle\nwait 3\n"
