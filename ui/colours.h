@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "imaging/segment/label_colours.h"
+
 namespace palpate::ui {
 
 using Rgb = std::array<float, 3>;  ///< sRGB, 0..1.
 
-/// Okabe and Ito's eight colours that people with any colour vision tell apart, black left out;
-/// index wraps.
-[[nodiscard]] std::array<std::uint8_t, 3> labelColour(std::size_t index);
+using palpate::labelColour;  // of labels and of a split's parts
 
 /// Depth at which a contact has the deepest colour: 1 mm.
 inline constexpr double kDeepestColour_m = 1e-3;

@@ -113,7 +113,7 @@ void drawShortcuts(const Painter& paint, const Rect& window, bool& help) {
       {"R", "Record"},
       {"G", "Take the instrument with the mouse, or let go"},
       {"Shift", "Hold: the mouse moves the instrument"},
-      {"Arrows, PgUp, PgDn", "Move the instrument; with Ctrl finely"},
+      {"Arrows, PgUp/Dn", "Move the instrument; with Ctrl finely"},
       {"A", "Hold: force on"},
       {"In the hand", "Left: force on; right: turn; wheel: in and out"},
       {"F", "Centre on the instrument"},

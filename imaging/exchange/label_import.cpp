@@ -7,6 +7,7 @@
 #include "imaging/exchange/seg_read.h"
 #include "imaging/exchange/surface_read.h"
 #include "imaging/exchange/surface_voxels.h"
+#include "imaging/segment/label_colours.h"
 #include "imaging/segmentation.h"
 
 namespace palpate {
@@ -14,15 +15,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
-
-/// Okabe–Ito, for labels whose file states no colour.
-constexpr std::array<Colour, 7> kColours{{{86, 180, 233},
-                                          {230, 159, 0},
-                                          {0, 158, 115},
-                                          {240, 228, 66},
-                                          {0, 114, 178},
-                                          {213, 94, 0},
-                                          {204, 121, 167}}};
 
 Result<FoundLabels> readSurfaceLabel(const fs::path& file, ExchangeFormat format,
                                      const GridGeometry& geometry, const Progress& progress) {
@@ -94,8 +86,7 @@ bool addRow(const FoundLabel& label, const LabelTable& usual, LabelTable& table,
   LabelInfo row;
   row.name = label.name;
   row.value = *value;
-  row.colour = label.colour.value_or(preset != nullptr ? preset->colour
-                                                       : kColours[(*value - 1U) % kColours.size()]);
+  row.colour = label.colour.value_or(preset != nullptr ? preset->colour : labelColour(*value));
   row.material = preset != nullptr ? preset->material : "bone";
   const auto known = std::find_if(usual.begin(), usual.end(),
                                   [&label](const LabelInfo& l) { return l.name == label.name; });

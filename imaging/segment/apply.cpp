@@ -4,18 +4,10 @@
 #include <set>
 
 #include "imaging/segment/edit.h"
+#include "imaging/segment/label_colours.h"
 
 namespace palpate {
 namespace {
-
-/// Okabe–Ito, for labels that no preset names.
-constexpr std::array<std::array<std::uint8_t, 3>, 7> kLabelColours{{{86, 180, 233},
-                                                                    {230, 159, 0},
-                                                                    {0, 158, 115},
-                                                                    {240, 228, 66},
-                                                                    {0, 114, 178},
-                                                                    {213, 94, 0},
-                                                                    {204, 121, 167}}};
 
 /// Tools that can make a label out of nothing.
 bool startsLabel(const LabelTool& tool) {
@@ -86,7 +78,7 @@ Result<LabelInfo> rowFor(const std::string& name, LabelTable& table) {
   LabelInfo row;
   row.name = name;
   row.value = static_cast<std::uint8_t>(value);
-  row.colour = kLabelColours[static_cast<std::size_t>(value - 1) % kLabelColours.size()];
+  row.colour = labelColour(static_cast<std::size_t>(value));
   for (const Preset& preset : segmentationPresets()) {
     if (preset.label != name) continue;
     row.colour = preset.colour;
