@@ -4,6 +4,7 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <future>
 #include <map>
 #include <memory>
@@ -121,6 +122,7 @@ class Desktop {
   std::optional<OpenCase> open_;
   std::vector<UndoEntry> undo_, redo_;
   Restoring restoring_ = Restoring::No;
+  std::deque<std::function<void()>> afterSteps_;  ///< Asked for while a step ran.
   CaseRecipe recipe_;
   std::map<std::uint8_t, std::vector<SurfaceChunk>> surfaces_;  ///< Of the labels as they are.
   std::set<std::uint8_t> previewed_;  ///< Whose drawn surface is a preview's.

@@ -29,6 +29,15 @@ Result<void> writeLabels(const std::filesystem::path& folder, const LabelGrid* l
   return {};
 }
 
+/// What happened and what to do, without the names that a recipe has for it.
+Error plain(Error error) {
+  error.file.reset();
+  error.field.reset();
+  error.found.reset();
+  error.expected.reset();
+  return error;
+}
+
 std::string describe(const LabelStep& step) {
   return toolTitle(step.tool) + ", " + step.label;
 }
@@ -39,12 +48,6 @@ std::string compared(std::uint64_t was, std::uint64_t is) {
                              : is < was ? ui::grouped(was - is) + " fewer"
                                         : std::string("no change");
   return "Preview: " + ui::grouped(is) + (is == 1 ? " voxel, " : " voxels, ") + change;
-}
-
-/// Without the step's key: the window's words are on its controls.
-Error inPlainWords(Error error) {
-  error.field.reset();
-  return error;
 }
 
 }  // namespace
@@ -64,6 +67,7 @@ int Desktop::meshStep() const {
 void Desktop::openLabels() {
   undo_.clear();
   redo_.clear();
+  afterSteps_.clear();
   surfaces_.clear();
   unsaved_ = false;
   recipe_ = readCaseRecipe(open_->folder);
@@ -116,6 +120,11 @@ void Desktop::describeUndo() {
 
 void Desktop::pollLabels() {
   while (auto outcome = labelWorker_.poll()) takeOutcome(*outcome);
+  while (!afterSteps_.empty() && !labelWorker_.busy()) {
+    const auto wish = std::move(afterSteps_.front());
+    afterSteps_.pop_front();
+    wish();
+  }
   model_.segment.previewing = labelWorker_.previewing();
 }
 
@@ -127,7 +136,7 @@ void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
   if (!outcome.labels) {
     restoring_ = Restoring::No;
     dropPreview();
-    return complain(inPlainWords(outcome.error), "The labels are as they were.");
+    return complain(plain(outcome.error), "The labels are as they were.");
   }
   const UndoEntry past{outcome.before, outcome.before->table, "", recipe_};
   if (outcome.kind == Kind::Step) {
@@ -136,7 +145,7 @@ void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
     if (undo_.size() > kUndoSteps) undo_.erase(undo_.begin());
     redo_.clear();
     recipe_.steps.push_back(outcome.step);
-    workspace_->segment().forget();
+    workspace_->segment().forgetPicks();  // the next stroke may be under way
   } else {
     moveBetween(past);
   }
@@ -161,7 +170,7 @@ void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
   segment.previewRefused = outcome.labels == nullptr;
   if (segment.previewRefused) {
     const bool stopped = outcome.error.kind == ErrorKind::Cancelled;
-    segment.previewText = stopped ? std::string() : sentence(inPlainWords(outcome.error));
+    segment.previewText = stopped ? std::string() : sentence(plain(outcome.error));
     return;
   }
   segment.previewText = compared(outcome.voxelsBefore, outcome.voxelsAfter);
@@ -209,7 +218,8 @@ void Desktop::applyStepNow(const LabelStep& step) {
 }
 
 void Desktop::editLabel(const ui::act::EditLabel& wish) {
-  if (!open_ || labelWorker_.busy()) return;
+  if (!open_) return;
+  if (labelWorker_.busy()) return afterSteps_.push_back([this, wish] { editLabel(wish); });
   LabelTable table = open_->table;
   const auto row = std::find_if(table.begin(), table.end(),
                                 [&](const LabelInfo& l) { return l.value == wish.value; });
@@ -220,7 +230,7 @@ void Desktop::editLabel(const ui::act::EditLabel& wish) {
   if (std::any_of(table.begin(), table.end(), same)) {
     return complain(usageError("Another label has that name.").advise("Choose another name."));
   }
-  dropPreview();
+  leaveSegment();  // the preview comes back, of the label as it is then called
   undo_.push_back({nullptr, open_->table, "Edit, " + row->name, recipe_});
   redo_.clear();
   renameLabel(recipe_.steps, row->name, wish.name);
@@ -238,7 +248,9 @@ void Desktop::setTable(const LabelTable& table) {
 
 void Desktop::restore(Restoring which) {
   auto& from = which == Restoring::Undo ? undo_ : redo_;
-  if (from.empty() || !open_ || labelWorker_.busy()) return;
+  if (!open_) return;
+  if (labelWorker_.busy()) return afterSteps_.push_back([this, which] { restore(which); });
+  if (from.empty()) return;
   dropPreview();
   restoring_ = which;
   if (from.back().state) return labelWorker_.restore(from.back().state);

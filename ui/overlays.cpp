@@ -113,28 +113,29 @@ void drawShortcuts(const Painter& paint, const Rect& window, bool& help) {
       {"R", "Record"},
       {"G", "Take the instrument with the mouse, or let go"},
       {"Shift", "Hold: the mouse moves the instrument"},
-      {"Arrows, PgUp/Dn", "Move the instrument; with Ctrl finely"},
+      {"Arrows, PgUp, PgDn", "Move the instrument; with Ctrl finely"},
       {"A", "Hold: force on"},
       {"In the hand", "Left: force on; right: turn; wheel: in and out"},
       {"F", "Centre on the instrument"},
       {"V", "Surface or volume rendering"},
-      {"Ctrl Z, Ctrl Y", "Undo and redo a segmentation step"},
-      {"In Segment", "Left: what the tool does; Ctrl and drag: turn"},
-      {"Esc", "Force off, at once; then: let go, forget clicks"},
+      {"Esc", "Force off, at once; drop what is drawn; smaller view"},
+      {"Ctrl Z, Ctrl Y", "Undo and redo a change of the labels"},
+      {"Tools, left", "Click, paint or draw around, as the tool says"},
+      {"Scissors in 3D", "Drag around what goes; Ctrl and drag turns the view"},
       {"?", "This list"},
       {"Left drag", "Turn the view; in a slice: set the crosshair"},
       {"Right drag", "Zoom; in a slice: window and level"},
       {"Middle drag", "Move the view"},
       {"Wheel", "Zoom; in a slice: next slice (Ctrl: zoom)"},
       {"Double-click", "One view fills the window"}};
-  const float width = paint.px(480.0F);
+  const float width = paint.px(560.0F);
   ImGui::SetNextWindowFocus();
   if (beginCard(paint, "##shortcuts", {window.x + 0.5F * window.w, window.y + 0.5F * window.h},
                 {0.5F, 0.5F}, width)) {
     heading(paint, "Shortcuts");
     for (const auto& row : kRows) {
       ImGui::TextColored(paint.theme.accent, "%s", row[0]);
-      ImGui::SameLine(paint.px(150.0F));
+      ImGui::SameLine(paint.px(180.0F));
       ImGui::TextUnformatted(row[1]);
     }
     space(paint, 4.0F);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "ui/colours.h"
 #include "ui/format.h"
@@ -136,18 +137,17 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
   ImGui::InputTextWithHint("##labelname", "Name", &state.editName);
   paint.note("Name of " + label.name);
   const bool typed = ImGui::IsItemDeactivatedAfterEdit();
+  const bool typing = ImGui::IsItemActive();
   ImGui::SameLine();
   if (const AnatomyRow* anatomy = chooseAnatomy(paint, segment)) {
     edit = {label.value, anatomy->name, anatomy->colour, anatomy->material};
-    state.editName = anatomy->name;
-    if (state.label == label.name) state.label = edit.name;
     changed = true;
   }
   if (typed && !state.editName.empty() && state.editName != label.name) {
     edit.name = state.editName;
-    if (state.label == label.name) state.label = edit.name;
     changed = true;
   }
+  if (!typing) state.editName = label.name;  // also after undo, or where a name was refused
   changed = chooseColour(paint, edit.colour) || changed;
   chooseMaterial(paint, segment, edit, changed);
   if (changed) paint.actions.push_back(edit);
@@ -182,9 +182,14 @@ void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPa
     return;
   }
   const auto chosen = [&](const LabelRow& row) { return row.name == state.label; };
-  if (std::none_of(segment.labels.begin(), segment.labels.end(), chosen)) {
-    state.label = segment.labels.back().name;
+  auto row = std::find_if(segment.labels.begin(), segment.labels.end(), chosen);
+  if (row == segment.labels.end()) {  // renamed, or gone
+    row = std::find_if(segment.labels.begin(), segment.labels.end(),
+                       [&](const LabelRow& r) { return r.value == state.value; });
   }
+  if (row == segment.labels.end()) row = std::prev(segment.labels.end());
+  state.label = row->name;
+  state.value = row->value;
   const std::size_t rows = std::min(segment.labels.size(), kRowsShown);
   const bool scrolls = segment.labels.size() > kRowsShown;
   if (scrolls) {

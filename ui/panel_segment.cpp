@@ -17,7 +17,7 @@ void drawTools(const Painter& paint, SegmentPanelState& state, bool labelled) {
   const float gap = paint.px(4.0F);
   const float width = ImGui::GetContentRegionAvail().x;
   const float w = std::floor((width - gap * (kColumns - 1)) / kColumns);
-  const float h = paint.px(34.0F);
+  const float h = paint.px(32.0F);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 origin = ImGui::GetCursorScreenPos();
   for (std::size_t i = 0; i < kTools; ++i) {
@@ -31,6 +31,7 @@ void drawTools(const Painter& paint, SegmentPanelState& state, bool labelled) {
     if (ImGui::InvisibleButton(words.title, {w, h}) && enabled && state.kind != kind) {
       state.kind = kind;
       state.forget();
+      state.applied.clear();  // the same setting again is wanted again
     }
     ImGui::EndDisabled();
     paint.note(words.title);

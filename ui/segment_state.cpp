@@ -87,10 +87,22 @@ std::optional<LabelTool> toolOf(const SegmentPanelState& state) {
 
 }  // namespace
 
-void SegmentPanelState::forget() {
+void SegmentPanelState::forgetPicks() {
   picks.clear();
   missed = false;
   box_mm.reset();
+}
+
+bool SegmentPanelState::abandon() {
+  const bool draws = drawingIn.has_value();
+  if (!draws && picks.empty() && !box_mm) return false;
+  forget();
+  abandoned = draws;
+  return true;
+}
+
+void SegmentPanelState::forget() {
+  forgetPicks();
   stroke_mm.clear();
   outline.clear();
   drawingIn.reset();

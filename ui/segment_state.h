@@ -34,6 +34,7 @@ inline constexpr std::size_t kTools = 12;
 struct SegmentPanelState {
   ToolKind kind = ToolKind::Threshold;
   std::string label;          ///< What the tools work on.
+  std::uint8_t value = 0;     ///< Its value: the label stays chosen when its name changes.
   std::string name = "bone";  ///< Of the label that a threshold makes.
   std::size_t preset = 0;
   float low = 226, high = 3071;  ///< Threshold, region growing, and "only these values".
@@ -79,6 +80,7 @@ struct SegmentPanelState {
   std::optional<View> drawingIn;
   std::vector<Eigen::Vector3d> stroke_mm;
   std::vector<Eigen::Vector2d> outline;  ///< Screen, framebuffer pixels.
+  bool abandoned = false;  ///< Escape, until the button is let go: it draws nothing more.
 
   std::filesystem::path initialisedFor;
   std::string sentKey;     ///< Of the step whose preview was asked for last.
@@ -86,7 +88,10 @@ struct SegmentPanelState {
   std::string applied;     ///< Of the step that was applied last: no preview of it again.
   double changedAt = 0.0;  ///< When wantedKey changed, seconds.
 
-  void forget();  ///< Picks, box, strokes.
+  void forget();       ///< Picks, box, strokes.
+  void forgetPicks();  ///< Picks and box; what is being drawn goes on.
+  /// What is being drawn; else picks and box. False: there was nothing.
+  bool abandon();
 };
 
 struct ToolWords {

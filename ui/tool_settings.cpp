@@ -32,7 +32,7 @@ bool drag(const Painter& paint, const char* label, float& value, float speed, fl
 /// The histogram with the chosen range lit; a drag moves the nearer end.
 void drawHistogram(const Painter& paint, const CaseModel& open, SegmentPanelState& state) {
   const float width = ImGui::GetContentRegionAvail().x;
-  const float height = paint.px(56.0F);
+  const float height = paint.px(40.0F);
   ImGui::InvisibleButton("histogram", {width, height});
   paint.note("Histogram");
   const ImVec2 a = ImGui::GetItemRectMin();
@@ -264,7 +264,10 @@ void drawCombine(const Painter& paint, const SegmentModel& segment, SegmentPanel
     ImGui::EndCombo();
   }
   paint.note("Other label");
-  if (state.other == state.label) state.other.clear();
+  const auto other = [&](const LabelRow& row) {
+    return row.name == state.other && row.name != state.label;
+  };
+  if (std::none_of(segment.labels.begin(), segment.labels.end(), other)) state.other.clear();
   drag(paint, "Grown by", state.grownMm, 0.1F, 0.0F, 50.0F,
        state.grownMm > 0 ? "grown by %.1f mm" : "as it is");
   if (segment.labels.size() < 2) sentence(paint, "There is only one label yet.");

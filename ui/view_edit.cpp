@@ -43,6 +43,12 @@ Eigen::RowVector4d voxelRow(const GridGeometry& grid, int axis) {
   return row;
 }
 
+/// Escape was pressed with the button down: until it is let go, it neither draws nor turns.
+bool stillAbandoned(SegmentPanelState& state) {
+  if (!ImGui::IsMouseDown(0)) state.abandoned = false;
+  return state.abandoned;
+}
+
 void addCorner(std::vector<Eigen::Vector2d>& outline) {
   const Eigen::Vector2d p = mousePixel();
   if (outline.empty() || (p - outline.back()).norm() >= kOutlinePixels) outline.push_back(p);
@@ -159,6 +165,7 @@ std::optional<Eigen::Vector3d> nearestOf(const LabelGrid& labels, std::uint8_t v
 bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& actions) {
   const Gesture gesture = gestureOf(state);
   if (gesture == Gesture::None) return false;
+  if (stillAbandoned(state)) return true;
   const bool mine = state.drawingIn == at.view;
   if (mine && !ImGui::IsMouseDown(0)) {
     finish(state, at, gesture, actions);
@@ -324,6 +331,7 @@ bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& are
                  Actions& actions) {
   const Gesture gesture = gestureOf(state);
   const ImGuiIO& io = ImGui::GetIO();
+  if (gesture != Gesture::None && stillAbandoned(state)) return true;
   if (gesture == Gesture::Pick && labels != nullptr) {
     const bool click = ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(0) &&
                        io.MouseDragMaxDistanceSqr[0] < kClickPixels * kClickPixels;

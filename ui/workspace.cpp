@@ -1,5 +1,9 @@
 #include "ui/workspace.h"
 
+#include <imgui.h>
+
+#include <imgui_internal.h>  // after imgui.h: closing a list by Escape
+
 #include <algorithm>
 #include <cmath>
 
@@ -110,9 +114,15 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       // Force off first and always; the rest is only the view's.
       actions.push_back(act::ForceOff{});
       if (model.simulate.grabbed) actions.push_back(act::Grab{false});
-      help_ = false;
-      if (model.task == Task::Segment) segment_.forget();
-      fill(std::nullopt);
+      // One thing a press, the nearest first.
+      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) {
+        ImGui::ClosePopupToLevel(0, true);
+      } else if (help_) {
+        help_ = false;
+      } else if (!ImGui::GetIO().WantTextInput &&
+                 (model.task != Task::Segment || !segment_.abandon())) {
+        fill(std::nullopt);
+      }
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '4') {
       actions.push_back(act::ShowTask{static_cast<Task>(key[0] - '1')});
     } else if (key == "space") {

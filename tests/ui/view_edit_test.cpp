@@ -181,6 +181,22 @@ TEST(SegmentState, AStepOnlyWhenNothingIsMissing) {
   EXPECT_EQ(box.high_mm, Eigen::Vector3d(9, 5, 2));
 }
 
+TEST(SegmentState, EscapeDropsWhatIsDrawnAndAFinishedStepDoesNot) {
+  SegmentPanelState state;
+  EXPECT_FALSE(state.abandon());
+  state.kind = ToolKind::Brush;
+  state.drawingIn = View::Axial;
+  state.stroke_mm = {Eigen::Vector3d::Zero()};
+  state.picks.push_back({Eigen::Vector3d::Zero(), 0});
+  state.forgetPicks();
+  EXPECT_TRUE(state.picks.empty());
+  EXPECT_EQ(state.stroke_mm.size(), 1U);
+  EXPECT_TRUE(state.abandon());
+  EXPECT_TRUE(state.stroke_mm.empty());
+  EXPECT_FALSE(state.drawingIn);
+  EXPECT_TRUE(state.abandoned);
+}
+
 TEST(SegmentState, SplitNeedsTwoPartsWithSeeds) {
   SegmentPanelState state;
   state.label = "bone";
