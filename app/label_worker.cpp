@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "imaging/segment/recipe.h"
 
@@ -92,7 +93,7 @@ void LabelWorker::setTable(const LabelTable& table) {
 void LabelWorker::cancel() {
   const std::lock_guard lock(mutex_);
   waiting_.clear();
-  cancel_->cancel();
+  if (!drawing_) cancel_->cancel();  // a step that is done is drawn
 }
 
 std::optional<LabelWorker::Outcome> LabelWorker::poll() {
@@ -128,9 +129,10 @@ ui::JobModel LabelWorker::model() const {
   model.active = true;
   model.title =
       running_->kind == Kind::Restored ? "Restoring the labels" : toolTitle(running_->step.tool);
+  if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
-  model.cancellable = !cancel_->cancelled();
+  model.cancellable = !drawing_ && !cancel_->cancelled();
   return model;
 }
 
@@ -157,6 +159,7 @@ void LabelWorker::work(const std::stop_token& stop) {
       waiting_.pop_front();
       running_ = request;
       cancel_ = std::make_shared<CancelToken>();
+      drawing_ = false;
       fraction_ = -1.0;
       what_.clear();
       generation = generation_;
@@ -206,7 +209,9 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   const auto after = labelsAfter(request, *volume, *before);
   if (!after) {
     outcome.error = after.error();
-    return deliver(std::move(outcome), generation);
+    deliver(std::move(outcome), generation);
+    if (request.kind != Kind::Preview) makeSurfaces(request, *volume, before, before, generation);
+    return;
   }
   outcome.labels = *after;
   if (request.kind == Kind::Preview) {
@@ -235,12 +240,24 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
 void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
                                const SharedLabels& before, const SharedLabels& after,
                                std::uint64_t generation) {
-  LabelTable changed;
-  for (const std::uint8_t value : changedLabels(*before, *after)) {
-    for (const LabelInfo& row : after->table) {
-      if (row.value == value) changed.push_back(row);
+  const bool stays = request.kind != Kind::Preview;
+  std::set<std::uint8_t> values = stays ? std::exchange(undrawn_, {}) : std::set<std::uint8_t>{};
+  for (const std::uint8_t value : changedLabels(*before, *after)) values.insert(value);
+  {
+    const std::lock_guard lock(mutex_);
+    const bool another = std::any_of(waiting_.begin(), waiting_.end(),
+                                     [](const Request& r) { return r.kind != Kind::Preview; });
+    if (stays && another) {  // its surfaces are soon out of date: the next step draws them too
+      undrawn_ = std::move(values);
+      return;
     }
+    drawing_ = stays;
   }
+  LabelTable changed;
+  for (const LabelInfo& row : after->table) {
+    if (values.contains(row.value)) changed.push_back(row);
+  }
+  if (changed.empty() && !stays) return;
   auto surfaces = surfacesOf(after->labels, changed, volume, meshStep_, progress());
   if (!surfaces) return;  // cancelled: the next preview brings its own
   Outcome outcome;
@@ -249,6 +266,7 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
   outcome.labels = after;
   outcome.surfaces = std::move(*surfaces);
   const std::lock_guard lock(mutex_);
+  drawing_ = false;
   if (generation != generation_) return;
   if (outcome.surfacesOfPreview && cancel_->cancelled()) return;
   outcomes_.push_back(std::move(outcome));

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -108,6 +109,8 @@ class LabelWorker {
   SharedLabels previewed_;
   std::uint64_t generation_ = 0;  ///< Of the open case: late outcomes of another are dropped.
   std::vector<Anatomy> anatomies_;
+  std::set<std::uint8_t> undrawn_;  ///< Changed by steps whose surfaces were left to the next.
+  bool drawing_ = false;            ///< The running step is done; its surfaces are being made.
   int meshStep_ = 1;
   double fraction_ = -1.0;
   std::string what_;

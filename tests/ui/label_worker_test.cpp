@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 namespace palpate {
 namespace {
@@ -129,6 +130,32 @@ TEST_F(Worker, ARefusedStepLeavesTheLabelsAsTheyWere) {
     if (outcome.kind == Kind::Step) counts.push_back(outcome.labels ? count(outcome.labels) : -1);
   }
   EXPECT_EQ(counts, (std::vector<std::int64_t>{64001, -1, 38 * 38 * 38}));
+}
+
+/// Strokes come faster than surfaces: those in between are left out, none is forgotten.
+TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
+  for (int i = 0; i < 12; ++i) {
+    const double at = 10.0 + 2.0 * i;
+    worker.commit(
+        {i % 2 == 0 ? "even" : "odd", tool::Brush{{{at, at, at}}, 2.0, {}, false}, {}, {}});
+  }
+  worker.commit({"even", tool::Margin{tool::Margin::Operation::Erode, 100.0}, {}, {}});  // refused
+  std::map<std::uint8_t, std::vector<SurfaceChunk>> drawn;
+  SharedLabels last;
+  for (auto& outcome : all()) {
+    if (outcome.kind == Kind::Step && outcome.labels) last = outcome.labels;
+    for (auto& surface : outcome.surfaces) drawn[surface.value] = std::move(surface.chunks);
+  }
+  ASSERT_TRUE(last);
+  ASSERT_EQ(drawn.size(), 2U);
+  for (const auto& [value, chunks] : drawn) {
+    const auto expected = meshLabel(last->labels, value, 1);
+    ASSERT_TRUE(expected);
+    ASSERT_EQ(chunks.size(), expected->size());
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      EXPECT_EQ(chunks[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
+    }
+  }
 }
 
 TEST_F(Worker, AnotherCaseHearsNothingOfTheLast) {
