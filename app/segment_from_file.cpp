@@ -6,6 +6,7 @@
 #include "core/scene/anatomy.h"
 #include "imaging/case_folder.h"
 #include "imaging/exchange/label_exchange.h"
+#include "imaging/segment/case_recipe.h"
 
 namespace palpate {
 
@@ -45,6 +46,12 @@ Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
   }
   if (context.progress.cancelled()) return fail(cancelled());
   if (auto written = writeCaseLabels(request.caseFolder, labels, table); !written) {
+    return fail(written.error());
+  }
+  // The steps that were kept no longer make these labels by themselves.
+  CaseRecipe recipe = readCaseRecipe(request.caseFolder);
+  recipe.whole = false;
+  if (auto written = writeCaseRecipe(request.caseFolder, recipe); !written) {
     return fail(written.error());
   }
   context.progress(1.0, "Labels taken over");

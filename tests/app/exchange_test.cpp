@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <fstream>
+
 #include "tests/app/program_run.h"
 
 namespace palpate::test {
@@ -66,6 +68,23 @@ TEST_F(Exchange, EveryFormatComesBackIntoANewCase) {
     if (name == "a.mha") continue;
     EXPECT_EQ(result({"segment", at("case"), "--from", at(name)}), ball);
   }
+}
+
+/// What the case's recipe says of itself in its first line.
+TEST_F(Exchange, LabelsOfAFileAreNotClaimedByTheRecipe) {
+  const auto first = [this](const char* name) {
+    std::ifstream file(folder / name / "segment.toml");
+    std::string line;
+    std::getline(file, line);
+    return line;
+  };
+  writeBallScan(folder / "ball.mha");
+  result({"import", at("ball.mha"), "--out", at("own")});
+  result({"segment", at("own"), "--threshold", "300", "3000", "--label", "bone"});
+  EXPECT_EQ(first("own"), "# All that made the labels of this case, in order.");
+  result({"export", at("case"), "--out", at("a.nrrd")});
+  result({"segment", at("own"), "--from", at("a.nrrd")});
+  EXPECT_NE(first("own").find("their beginning is not here"), std::string::npos) << first("own");
 }
 
 TEST_F(Exchange, SurfaceOfTheBall) {
