@@ -56,6 +56,22 @@ TEST_F(CaseRecipes, WhatCannotBeReadIsNotWhole) {
   EXPECT_TRUE(readCaseRecipe(folder).steps.empty());
 }
 
+TEST(StrayLetters, AreRefusedByLineAndInQuotesAreWelcome) {
+  const std::string step = "[[step]]\nthreshold = [1, 2]\nlabel = ";
+  for (const char* label : {"\"Sch\u00e4del\"", "'Sch\u00e4del'", "\"a\\\"\u00e4\"",
+                            "\"\"\"\u00e4\n\u00e4\"\"\"", "'x' # it's \u00e4 \"comment"}) {
+    const auto read = parseRecipe(step + label + "\n", "r.toml");
+    EXPECT_TRUE(read) << label << ": " << (read ? "" : sentence(read.error()));
+  }
+  for (const char* stray : {"\"x\"\n\u03dc = 1\n", "\"x\" # a\n[0, \u03dc\n"}) {
+    const auto read = parseRecipe(step + stray, "r.toml");
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().field, "line 4");
+    EXPECT_EQ(read.error().message,
+              "The recipe is not TOML: a letter beyond ASCII is not in quotes.");
+  }
+}
+
 TEST(RenameLabel, ReachesEveryPlaceThatNamesIt) {
   auto renamed = steps();
   renameLabel(renamed, "bone", "skull");
