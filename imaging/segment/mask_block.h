@@ -48,6 +48,8 @@ struct MaskBlock {
   std::array<std::int32_t, 3> dims{0, 0, 0};
   Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones();
   std::vector<std::uint8_t> voxels;  ///< x fastest.
+  /// What a slab of a filter may take; nothing of a result depends on it.
+  std::size_t slabBytes = std::size_t{64} << 20U;
 
   [[nodiscard]] std::size_t sliceVoxels() const noexcept {
     return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);

@@ -60,7 +60,7 @@ Result<void> spread(MaskBlock& block, std::uint8_t from, std::uint8_t to, double
 }  // namespace
 
 std::int32_t slabSlices(const MaskBlock& block, std::int32_t border, std::size_t bytesPerVoxel) {
-  const std::size_t fits = (std::size_t{64} << 20U) / (bytesPerVoxel * block.sliceVoxels() + 1);
+  const std::size_t fits = block.slabBytes / (bytesPerVoxel * block.sliceVoxels() + 1);
   const auto slices = static_cast<std::int32_t>(std::min<std::size_t>(fits, 1U << 20U));
   return std::max({1, border, slices - 2 * border});
 }

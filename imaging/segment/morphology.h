@@ -27,7 +27,7 @@ struct Share {
 [[nodiscard]] Result<void> erode(MaskBlock& block, std::uint8_t from, std::uint8_t to, double mm,
                                  const Share& share);
 
-/// Slices that a slab of whole slices holds, so that `bytesPerVoxel` stay within about 64 MiB, and
+/// Slices that a slab of whole slices holds, so that `bytesPerVoxel` stay within its bytes, and
 /// at least as many as its borders.
 [[nodiscard]] std::int32_t slabSlices(const MaskBlock& block, std::int32_t border,
                                       std::size_t bytesPerVoxel);

@@ -69,7 +69,7 @@ struct Smooth {
 
 /// Takes away what is inside (or outside) the box, whose faces are part of it; axes of P.
 struct Box {
-  Eigen::Vector3d low_mm, high_mm;
+  Eigen::Vector3d low_mm = Eigen::Vector3d::Zero(), high_mm = Eigen::Vector3d::Zero();
   bool keepInside = false;
   bool allLabels = false;  ///< Crops every label, not only this one.
 };

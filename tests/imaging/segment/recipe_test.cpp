@@ -79,7 +79,8 @@ bool same(const tool::Brush& a, const tool::Brush& b) {
          a.erase == b.erase;
 }
 bool same(const tool::Split& a, const tool::Split& b) {
-  if (a.by != b.by || a.seeds.size() != b.seeds.size()) return false;
+  if (a.by != b.by || !same(a.radius_mm, b.radius_mm)) return false;
+  if (a.seeds.size() != b.seeds.size()) return false;
   for (std::size_t n = 0; n < a.seeds.size(); ++n) {
     if (a.seeds[n].label != b.seeds[n].label) return false;
     if (!same(a.seeds[n].points_mm, b.seeds[n].points_mm)) return false;
@@ -198,6 +199,7 @@ tool::Scissors anyScissors(Random& random) {
 
 tool::Split anySplit(Random& random) {
   tool::Split tool{.by = static_cast<tool::Split::By>(random.whole(0, 1))};
+  if (random.chance(50)) tool.radius_mm = anyLength(random);
   for (int n = random.whole(1, 4); n > 0; --n) {
     tool.seeds.push_back({anyLabel(random) + std::to_string(n), anyPoints(random)});
   }
@@ -295,6 +297,35 @@ TEST(Recipe, EachToolAloneIsReadAgain) {
       ASSERT_EQ(back->size(), 1U);
       ASSERT_TRUE(same(steps[0], (*back)[0])) << text;
     }
+  }
+}
+
+template <std::size_t... Kinds>
+std::vector<LabelTool> defaultTools(std::index_sequence<Kinds...>) {
+  return {LabelTool(std::in_place_index<Kinds>)...};
+}
+
+TEST(Recipe, ATitleAWordAndAReaderForEveryToolAsItsTypeMakesIt) {
+  const std::vector<LabelTool> tools =
+      defaultTools(std::make_index_sequence<std::variant_size_v<LabelTool>>());
+  for (const LabelTool& tool : tools) {
+    EXPECT_FALSE(toolTitle(tool).empty());
+    LabelStep step;
+    step.label = "a";
+    step.tool = tool;
+    // What a user has to give before the step says anything.
+    if (auto* grow = std::get_if<tool::GrowRegion>(&step.tool)) grow->seeds_mm = {{1, 2, 3}};
+    if (auto* brush = std::get_if<tool::Brush>(&step.tool)) brush->path_mm = {{1, 2, 3}};
+    if (auto* cut = std::get_if<tool::Scissors>(&step.tool))
+      cut->outline = {{0, 0}, {1, 0}, {0, 1}};
+    if (auto* split = std::get_if<tool::Split>(&step.tool)) split->seeds = {{"b", {{1, 2, 3}}}};
+    if (auto* combine = std::get_if<tool::Combine>(&step.tool)) combine->other = "b";
+    const std::string text = recipeText({step});
+    EXPECT_TRUE(tool.index() == 0 || text.find("tool = ") != std::string::npos) << text;
+    const auto back = readText(text);
+    ASSERT_TRUE(back) << sentence(back.error()) << "\n" << text;
+    ASSERT_EQ(back->size(), 1U);
+    EXPECT_TRUE(same(step, back->front())) << text;
   }
 }
 

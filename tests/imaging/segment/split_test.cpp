@@ -338,5 +338,98 @@ TEST(Split, ASeedOutsideTheScanIsRefused) {
   }
 }
 
+/// A bright ball along x in a dark rim, then a second; the label is all of them.
+Sample rims() {
+  Sample s = plainSample({31, 9, 9}, {0.5, 1.0, 0.8});
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Voxel v = voxelOf(s.geometry(), i);
+    s.before.labels.labels[i] = kValue;
+    // Bright in the middle of each half, darkest at x = 15 and at the ends.
+    s.volume.int16[i] = static_cast<std::int16_t>(100 * std::min(std::abs(v.i - 15), 7) +
+                                                  (v.i == 0 || v.i == 30 ? -900 : 0));
+  }
+  return s;
+}
+
+/// Seeds that are balls: every voxel of the label within the radius (centre to centre of the seed's
+/// voxel), in mm on each axis, belongs to its seed whatever its value.
+TEST(Split, VoxelsWithinTheRadiusOfASeedAreItsOwn) {
+  const Sample s = rims();
+  for (const double radius : {1.0, 1.5, 2.0, 3.3}) {
+    SCOPED_TRACE(radius);
+    tool::Split tool;
+    tool.radius_mm = radius;
+    // Off its voxel's centre: the ball is about the voxel.
+    const Eigen::Vector3d seed = at_mm(s.geometry(), 18.3, 4, 4);
+    tool.seeds = {{kLabel, {at_mm(s.geometry(), 6, 4, 4)}}, {"nerve", {seed}}};
+    tool.seeds[0].points_mm.push_back(at_mm(s.geometry(), 24, 4, 4));
+    const auto after = applied(s, tool);
+    ASSERT_TRUE(after) << sentence(after.error());
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const Voxel v = voxelOf(s.geometry(), i);
+      const double apart = (centre_mm(s.geometry(), i) - at_mm(s.geometry(), 18, 4, 4)).norm();
+      // The seed's dark side is reached from the bright seeds first, but for the ball.
+      const bool otherBall = std::any_of(
+          tool.seeds[0].points_mm.begin(), tool.seeds[0].points_mm.end(), [&](const auto& other) {
+            return (centre_mm(s.geometry(), i) - other).norm() <= radius + 1e-6;
+          });
+      if (otherBall) continue;
+      if (apart <= radius + 1e-9) {
+        ASSERT_EQ(after->labels.labels[i], 9) << v.i << " " << v.j << " " << v.k;
+      }
+    }
+  }
+}
+
+/// On a scan of one value with a corner of the label per seed, what is beyond the label stays.
+TEST(Split, TheRadiusTakesNothingBeyondTheLabel) {
+  forSamples(300, [](Random& random, Sample& s) {
+    Part held;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      if (s.holds(i)) held.push_back(i);
+    }
+    if (held.size() < 2) return;
+    std::shuffle(held.begin(), held.end(), random.bits());
+    tool::Split tool;
+    tool.radius_mm = random.real(0.1, 6.0);
+    tool.seeds = {{kLabel, {centre_mm(s.geometry(), held[0])}},
+                  {"nerve", {centre_mm(s.geometry(), held[1])}}};
+    const auto after = applied(s, tool);
+    ASSERT_TRUE(after) << sentence(after.error());
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const std::uint8_t is = after->labels.labels[i];
+      if (!s.holds(i)) {
+        ASSERT_EQ(is, s.before.labels.labels[i]) << describe(s);
+        continue;
+      }
+      // The first seed's ball comes first; then the second's, where the first's is not.
+      const double first = (centre_mm(s.geometry(), i) - tool.seeds[0].points_mm[0]).norm();
+      const double second = (centre_mm(s.geometry(), i) - tool.seeds[1].points_mm[0]).norm();
+      if (std::abs(first - tool.radius_mm) < 1e-6 || std::abs(second - tool.radius_mm) < 1e-6) {
+        continue;
+      }
+      if (first < tool.radius_mm && i != held[1]) {
+        ASSERT_EQ(is, kValue) << describe(s);
+      } else if (first > tool.radius_mm && second < tool.radius_mm) {
+        ASSERT_EQ(is, 9) << describe(s);
+      }
+    }
+  });
+}
+
+TEST(Split, TheRadiusIsWithinItsRange) {
+  const Sample s = rims();
+  tool::Split tool;
+  tool.seeds = {{kLabel, {at_mm(s.geometry(), 6, 4, 4)}},
+                {"nerve", {at_mm(s.geometry(), 24, 4, 4)}}};
+  for (const double radius : {-0.1, std::numeric_limits<double>::quiet_NaN(), 1e9}) {
+    tool.radius_mm = radius;
+    expectRefused(s, tool, ErrorKind::Usage);
+  }
+  tool.radius_mm = 2.0;
+  const auto after = applied(s, tool);
+  ASSERT_TRUE(after);
+}
+
 }  // namespace
 }  // namespace palpate::test
