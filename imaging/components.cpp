@@ -104,4 +104,22 @@ MaskParts findParts(const std::vector<std::uint8_t>& mask, const std::array<std:
   return parts;
 }
 
+std::optional<std::uint32_t> partAt(const MaskParts& parts, std::uint32_t row, std::int32_t x) {
+  const auto run = std::partition_point(
+      parts.runs.begin(), parts.runs.end(), [row, x](const MaskRun& candidate) {
+        return candidate.row < row || (candidate.row == row && candidate.last < x);
+      });
+  if (run == parts.runs.end() || run->row != row || run->first > x) return std::nullopt;
+  return run->part;
+}
+
+void fillParts(const MaskParts& parts, const std::vector<bool>& chosen, std::uint8_t value,
+               std::int32_t nx, std::vector<std::uint8_t>& mask) {
+  for (const MaskRun& run : parts.runs) {
+    if (!chosen[run.part]) continue;
+    const auto row = mask.begin() + static_cast<std::ptrdiff_t>(run.row) * nx;
+    std::fill(row + run.first, row + run.last + 1, value);
+  }
+}
+
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace palpate {
@@ -32,5 +33,12 @@ struct PartsOf {
 /// @param mask  x fastest; size dims[0]·dims[1]·dims[2].
 [[nodiscard]] MaskParts findParts(const std::vector<std::uint8_t>& mask,
                                   const std::array<std::int32_t, 3>& dims, PartsOf of = {});
+
+/// The part of a voxel; nothing where the voxel is in none. `row` is z · ny + y.
+[[nodiscard]] std::optional<std::uint32_t> partAt(const MaskParts& parts, std::uint32_t row,
+                                                  std::int32_t x);
+/// Writes `value` over every voxel of the parts that are `chosen`. `nx`: voxels a row.
+void fillParts(const MaskParts& parts, const std::vector<bool>& chosen, std::uint8_t value,
+               std::int32_t nx, std::vector<std::uint8_t>& mask);
 
 }  // namespace palpate

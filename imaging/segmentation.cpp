@@ -57,12 +57,12 @@ void keepParts(std::vector<std::uint8_t>& mask, const GridGeometry& geometry,
   const double mm3 = geometry.spacing.prod() * 1e9;
   const auto largest = static_cast<std::uint32_t>(
       std::max_element(parts.voxels.begin(), parts.voxels.end()) - parts.voxels.begin());
-  for (const MaskRun& run : parts.runs) {
-    const bool tooSmall = static_cast<double>(parts.voxels[run.part]) * mm3 < request.minMm3;
-    if (!tooSmall && (!request.largestOnly || run.part == largest)) continue;
-    const auto row = mask.begin() + static_cast<std::ptrdiff_t>(run.row) * geometry.dims[0];
-    std::fill(row + run.first, row + run.last + 1, std::uint8_t{0});
+  std::vector<bool> dropped(parts.voxels.size());
+  for (std::size_t part = 0; part < dropped.size(); ++part) {
+    const bool tooSmall = static_cast<double>(parts.voxels[part]) * mm3 < request.minMm3;
+    dropped[part] = tooSmall || (request.largestOnly && part != largest);
   }
+  fillParts(parts, dropped, 0, geometry.dims[0], mask);
 }
 
 Error nothingSelected(const Volume& volume, const SegmentRequest& request, bool beforeParts) {

@@ -25,14 +25,11 @@ Result<void> markOther(const Edit& edit, std::uint8_t other, double grown_mm, Ma
 
 /// The other's own voxels go over whatever the limits say of other labels: that is what is asked.
 void takeOver(const Edit& edit, std::uint8_t other) {
-  const auto& only = edit.limits.only;
   forEachRow(edit.geometry(), wholeBox(edit.geometry()),
              [&](std::size_t first, std::int32_t count, std::int32_t, std::int32_t) {
                for (std::size_t i = first; i < first + static_cast<std::size_t>(count); ++i) {
-                 if (edit.labels.labels[i] != other) continue;
-                 const double value = only ? edit.volume.value(i) : 0.0;
-                 if (only && !(value >= only->low && value <= only->high)) continue;
-                 edit.labels.labels[i] = edit.value;
+                 std::uint8_t& label = edit.labels.labels[i];
+                 if (label == other && edit.mayChange(i)) label = edit.value;
                }
              });
 }

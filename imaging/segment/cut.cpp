@@ -41,16 +41,13 @@ class Outline {
 template <class Goes>
 void clear(const Edit& edit, bool allLabels, const Goes& goes) {
   const GridGeometry& g = edit.geometry();
-  const auto& only = edit.limits.only;
   const VoxelBox box = allLabels ? wholeBox(g) : boundsOf(edit.labels, edit.value);
   forEachRow(g, box, [&](std::size_t first, std::int32_t count, std::int32_t y, std::int32_t z) {
     for (std::int32_t x = 0; x < count; ++x) {
       const std::size_t i = first + static_cast<std::size_t>(x);
       std::uint8_t& label = edit.labels.labels[i];
       if (label == 0 || (!allLabels && label != edit.value)) continue;
-      if (only && !(edit.volume.value(i) >= only->low && edit.volume.value(i) <= only->high)) {
-        continue;
-      }
+      if (!edit.mayChange(i)) continue;
       if (goes(Eigen::Vector3d(g.X_PV * g.centre_V(box.low[0] + x, y, z) * 1e3))) label = 0;
     }
   });

@@ -15,7 +15,6 @@ std::string number(double value) {
 }  // namespace
 
 void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers) {
-  const auto& only = edit.limits.only;
   const VoxelBox& box = block.box;
   forEachRow(edit.geometry(), box,
              [&](std::size_t first, std::int32_t count, std::int32_t y, std::int32_t z) {
@@ -25,13 +24,18 @@ void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers) {
                  const bool wanted = (block.voxels[from + x] & plane::kMask) != 0;
                  const bool has = label == edit.value;
                  if (wanted == has || (wanted && label != 0 && !overOthers)) continue;
-                 if (only) {
-                   const double value = edit.volume.value(first + x);
-                   if (!(value >= only->low && value <= only->high)) continue;
-                 }
+                 if (!edit.mayChange(first + x)) continue;
                  label = wanted ? edit.value : std::uint8_t{0};
                }
              });
+}
+
+std::optional<std::uint32_t> partOf(const MaskParts& parts, const MaskBlock& block,
+                                    const std::array<std::int32_t, 3>& voxel) {
+  const auto& low = block.box.low;
+  const auto row =
+      static_cast<std::uint32_t>((voxel[2] - low[2]) * block.dims[1] + (voxel[1] - low[1]));
+  return partAt(parts, row, voxel[0] - low[0]);
 }
 
 Result<std::array<std::int32_t, 3>> voxelOf(const Edit& edit, const Eigen::Vector3d& point_mm,

@@ -1,10 +1,12 @@
 #pragma once
 /// What applyStep() hands to a tool, and each tool's own work. Not for use outside this folder.
 
+#include <optional>
 #include <string>
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "imaging/components.h"
 #include "imaging/segment/mask_block.h"
 #include "imaging/segment/morphology.h"
 #include "imaging/segment/tools.h"
@@ -23,12 +25,22 @@ struct Edit {
   const Progress& progress;
 
   [[nodiscard]] const GridGeometry& geometry() const { return labels.geometry; }
+  /// Whether the step's limits let this voxel change at all.
+  [[nodiscard]] bool mayChange(std::size_t voxel) const {
+    if (!limits.only) return true;
+    const double v = volume.value(voxel);
+    return v >= limits.only->low && v <= limits.only->high;
+  }
   [[nodiscard]] Share share(const char* what) const { return {progress, 0.0, 0.95, what}; }
 };
 
 /// Makes the label what the block's kMask says, as far as the limits allow; nothing changes outside
 /// the block.
 void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers);
+
+/// The part of the block in which a voxel of the grid is; nothing where it is in none.
+[[nodiscard]] std::optional<std::uint32_t> partOf(const MaskParts& parts, const MaskBlock& block,
+                                                  const std::array<std::int32_t, 3>& voxel);
 
 /// The voxel of a point of P, mm; refuses one outside the scan by `field`.
 [[nodiscard]] Result<std::array<std::int32_t, 3>> voxelOf(const Edit& edit,

@@ -28,13 +28,13 @@ Result<void> carryOut(Edit& edit, const tool::FillHoles& tool) {
     if (side) open[run.part] = true;
   }
   const double mm3 = block.spacing_mm.prod();
-  for (const MaskRun& run : parts.runs) {
-    const bool tooLarge = tool.maxMm3 > 0.0 && static_cast<double>(parts.voxels[run.part]) * mm3 >
+  std::vector<bool> holes(open.size());
+  for (std::size_t part = 0; part < holes.size(); ++part) {
+    const bool tooLarge = tool.maxMm3 > 0.0 && static_cast<double>(parts.voxels[part]) * mm3 >
                                                    tool.maxMm3 * (1.0 + 1e-9);
-    if (open[run.part] || tooLarge) continue;
-    const auto row = block.voxels.begin() + static_cast<std::ptrdiff_t>(run.row) * block.dims[0];
-    std::fill(row + run.first, row + run.last + 1, plane::kMask);
+    holes[part] = !open[part] && !tooLarge;
   }
+  fillParts(parts, holes, plane::kMask, block.dims[0], block.voxels);
   writeBack(edit, block, edit.limits.overOthers);
   return {};
 }

@@ -84,20 +84,11 @@ Result<void> carryOut(Edit& edit, const tool::GrowRegion& tool) {
   std::vector<bool> chosen(parts.voxels.size(), false);
   bool any = false;
   for (const auto& seed : seeds) {
-    const auto row = static_cast<std::uint32_t>((seed[2] - block.box.low[2]) * block.dims[1] +
-                                                (seed[1] - block.box.low[1]));
-    const std::int32_t x = seed[0] - block.box.low[0];
-    for (const MaskRun& run : parts.runs) {
-      if (run.row != row || run.first > x || run.last < x) continue;
-      chosen[run.part] = any = true;
-    }
+    const auto part = partOf(parts, block, seed);
+    if (part) chosen[*part] = any = true;
   }
   if (!any) return fail(noSeedInRange(edit, seeds.front()));
-  for (const MaskRun& run : parts.runs) {
-    if (!chosen[run.part]) continue;
-    const auto row = block.voxels.begin() + static_cast<std::ptrdiff_t>(run.row) * block.dims[0];
-    std::fill(row + run.first, row + run.last + 1, plane::kMask);
-  }
+  fillParts(parts, chosen, plane::kMask, block.dims[0], block.voxels);
   writeBack(edit, block, edit.limits.overOthers);
   return {};
 }

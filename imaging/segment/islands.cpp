@@ -36,19 +36,6 @@ std::optional<std::array<std::int32_t, 3>> labelledNear(const Edit& edit,
   return found;
 }
 
-/// The part of each voxel asked for.
-std::uint32_t partAt(const MaskParts& parts, const MaskBlock& block,
-                     const std::array<std::int32_t, 3>& voxel) {
-  const auto row = static_cast<std::uint32_t>((voxel[2] - block.box.low[2]) * block.dims[1] +
-                                              (voxel[1] - block.box.low[1]));
-  const std::int32_t x = voxel[0] - block.box.low[0];
-  const auto run = std::partition_point(
-      parts.runs.begin(), parts.runs.end(), [row, x](const MaskRun& candidate) {
-        return candidate.row < row || (candidate.row == row && candidate.last < x);
-      });
-  return run->part;
-}
-
 std::vector<bool> largest(const MaskParts& parts, std::size_t count) {
   std::vector<std::uint32_t> order(parts.voxels.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -74,7 +61,7 @@ Result<std::vector<bool>> picked(const Edit& edit, const tool::Islands& tool,
                       .wants("a point within 5 mm of the label")
                       .advise("Click on the part itself."));
     }
-    chosen[partAt(parts, block, *nearest)] = true;
+    chosen[partOf(parts, block, *nearest).value()] = true;
   }
   return chosen;
 }
@@ -117,11 +104,9 @@ Result<void> carryOut(Edit& edit, const tool::Islands& tool) {
   share.at(0.8);
   const auto kept = keptParts(edit, tool, parts, block);
   if (!kept) return fail(kept.error());
-  for (const MaskRun& run : parts.runs) {
-    if ((*kept)[run.part]) continue;
-    const auto row = block.voxels.begin() + static_cast<std::ptrdiff_t>(run.row) * block.dims[0];
-    std::fill(row + run.first, row + run.last + 1, std::uint8_t{0});
-  }
+  std::vector<bool> dropped = *kept;
+  dropped.flip();
+  fillParts(parts, dropped, 0, block.dims[0], block.voxels);
   writeBack(edit, block, edit.limits.overOthers);
   return {};
 }

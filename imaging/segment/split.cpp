@@ -172,13 +172,10 @@ Result<void> carryOut(Edit& edit, const tool::Split& tool) {
       }
     }
   }
-  const auto& only = edit.limits.only;
   const bool finished =
       flood.run(voxels, [&](const std::array<std::int32_t, 3>& v, std::uint8_t s) {
         const std::size_t i = edit.geometry().index(v[0], v[1], v[2]);
-        if (only && !(edit.volume.value(i) >= only->low && edit.volume.value(i) <= only->high))
-          return;
-        edit.labels.labels[i] = values[s];
+        if (edit.mayChange(i)) edit.labels.labels[i] = values[s];
       });
   if (!finished) return fail(cancelled());
   return {};
