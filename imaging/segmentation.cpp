@@ -103,6 +103,24 @@ Result<void> checkRequest(const Volume& volume, const LabelGrid* existing, std::
   return {};
 }
 
+/// The voxels in range that the request keeps, as ones. Refuses a selection of none.
+Result<std::vector<std::uint8_t>> selectVoxels(const Volume& volume, const SegmentRequest& request,
+                                               const Progress& progress) {
+  auto mask = thresholdMask(volume, request.range, progress);
+  if (!mask) return fail(mask.error());
+  const auto any = [&mask] {
+    return std::any_of(mask->begin(), mask->end(), [](std::uint8_t m) { return m != 0; });
+  };
+  if (!any()) return fail(nothingSelected(volume, request, true));
+  if (request.largestOnly || request.minMm3 > 0.0) {
+    progress(0.5, "Finding connected parts");
+    keepParts(*mask, volume.geometry, request);
+    if (!any()) return fail(nothingSelected(volume, request, false));
+  }
+  if (progress.cancelled()) return fail(cancelled());
+  return mask;
+}
+
 }  // namespace
 
 const std::vector<Preset>& segmentationPresets() {
@@ -144,23 +162,6 @@ Result<ThresholdRange> presetRange(const std::string& preset, const Volume& volu
   return ThresholdRange{otsuThresholds2(volume).second, top};
 }
 
-Result<std::vector<std::uint8_t>> selectVoxels(const Volume& volume, const SegmentRequest& request,
-                                               const Progress& progress) {
-  auto mask = thresholdMask(volume, request.range, progress);
-  if (!mask) return fail(mask.error());
-  const auto any = [&mask] {
-    return std::any_of(mask->begin(), mask->end(), [](std::uint8_t m) { return m != 0; });
-  };
-  if (!any()) return fail(nothingSelected(volume, request, true));
-  if (request.largestOnly || request.minMm3 > 0.0) {
-    progress(0.5, "Finding connected parts");
-    keepParts(*mask, volume.geometry, request);
-    if (!any()) return fail(nothingSelected(volume, request, false));
-  }
-  if (progress.cancelled()) return fail(cancelled());
-  return mask;
-}
-
 Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::uint8_t value,
                           const SegmentRequest& request, const Progress& progress) {
   if (auto fits = checkRequest(volume, existing, value, request); !fits) return fail(fits.error());
@@ -169,10 +170,15 @@ Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::
   LabelGrid out;
   out.geometry = volume.geometry;
   out.labels = std::move(*mask);
+  const auto mayChange = [&](std::size_t i) {
+    return !request.only ||
+           (volume.value(i) >= request.only->low && volume.value(i) <= request.only->high);
+  };
   for (std::size_t i = 0; i < out.labels.size(); ++i) {
     const std::uint8_t before = existing != nullptr ? existing->labels[i] : std::uint8_t{0};
-    const std::uint8_t kept = before == value ? std::uint8_t{0} : before;
-    out.labels[i] = out.labels[i] != 0 ? value : kept;
+    const std::uint8_t cleared = before == value ? std::uint8_t{0} : before;
+    const std::uint8_t wanted = out.labels[i] != 0 ? value : cleared;
+    out.labels[i] = mayChange(i) ? wanted : before;
   }
   progress(1.0, "Segmented");
   return out;

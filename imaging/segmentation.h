@@ -35,15 +35,10 @@ struct Preset {
 
 struct SegmentRequest {
   ThresholdRange range;
-  bool largestOnly = false;  ///< Keep the largest 26-connected part.
-  double minMm3 = 0.0;       ///< Drop 26-connected parts smaller than this.
+  bool largestOnly = false;                 ///< Keep the largest 26-connected part.
+  double minMm3 = 0.0;                      ///< Drop 26-connected parts smaller than this.
+  std::optional<ThresholdRange> only = {};  ///< Only voxels of these values change.
 };
-
-/// The voxels in range that the request keeps, as ones; x fastest. Refuses a selection of none,
-/// saying the volume's value range. Progress (to 0.7) and cancel.
-[[nodiscard]] Result<std::vector<std::uint8_t>> selectVoxels(const Volume& volume,
-                                                             const SegmentRequest& request,
-                                                             const Progress& progress = {});
 
 /// Sets `value` where the volume is in range (and cleared elsewhere where it was that value); other
 /// labels stay, and win nothing: a voxel of another label inside the range is taken over.

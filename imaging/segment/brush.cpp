@@ -93,7 +93,7 @@ Result<void> carryOut(Edit& edit, const tool::Brush& tool) {
       if (stroke.covers(g.centre_V(box.low[0] + x, y, z) * 1e3)) row[x] = paint;
     }
   });
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

@@ -65,7 +65,7 @@ Result<void> carryOut(Edit& edit, const tool::Combine& tool) {
     voxel = wanted ? plane::kMask : std::uint8_t{0};
   }
   if (tool.operation == Operation::Add) takeOver(edit, other);
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

@@ -14,7 +14,7 @@ std::string number(double value) {
 
 }  // namespace
 
-void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers) {
+void writeBack(const Edit& edit, const MaskBlock& block) {
   const VoxelBox& box = block.box;
   forEachRow(edit.geometry(), box,
              [&](std::size_t first, std::int32_t count, std::int32_t y, std::int32_t z) {
@@ -23,7 +23,7 @@ void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers) {
                  std::uint8_t& label = edit.labels.labels[first + x];
                  const bool wanted = (block.voxels[from + x] & plane::kMask) != 0;
                  const bool has = label == edit.value;
-                 if (wanted == has || (wanted && label != 0 && !overOthers)) continue;
+                 if (wanted == has || (wanted && label != 0 && !edit.limits.overOthers)) continue;
                  if (!edit.mayChange(first + x)) continue;
                  label = wanted ? edit.value : std::uint8_t{0};
                }

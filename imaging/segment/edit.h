@@ -36,7 +36,7 @@ struct Edit {
 
 /// Makes the label what the block's kMask says, as far as the limits allow; nothing changes outside
 /// the block.
-void writeBack(const Edit& edit, const MaskBlock& block, bool overOthers);
+void writeBack(const Edit& edit, const MaskBlock& block);
 
 /// The part of the block in which a voxel of the grid is; nothing where it is in none.
 [[nodiscard]] std::optional<std::uint32_t> partOf(const MaskParts& parts, const MaskBlock& block,

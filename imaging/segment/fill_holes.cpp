@@ -35,7 +35,7 @@ Result<void> carryOut(Edit& edit, const tool::FillHoles& tool) {
     holes[part] = !open[part] && !tooLarge;
   }
   fillParts(parts, holes, plane::kMask, block.dims[0], block.voxels);
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

@@ -89,7 +89,7 @@ Result<void> carryOut(Edit& edit, const tool::GrowRegion& tool) {
   }
   if (!any) return fail(noSeedInRange(edit, seeds.front()));
   fillParts(parts, chosen, plane::kMask, block.dims[0], block.voxels);
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

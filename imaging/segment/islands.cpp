@@ -107,7 +107,7 @@ Result<void> carryOut(Edit& edit, const tool::Islands& tool) {
   std::vector<bool> dropped = *kept;
   dropped.flip();
   fillParts(parts, dropped, 0, block.dims[0], block.voxels);
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

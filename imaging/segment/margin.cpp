@@ -20,7 +20,7 @@ Result<void> carryOut(Edit& edit, const tool::Margin& tool) {
   if (done && twice) done = second(block, plane::kA, plane::kB, tool.mm, whole.part(0.5, 1.0));
   if (!done) return done;
   copyPlane(block, twice ? plane::kB : plane::kA, plane::kMask);
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 

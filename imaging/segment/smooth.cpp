@@ -86,7 +86,7 @@ Result<void> carryOut(Edit& edit, const tool::Smooth& tool) {
     const bool in = (voxel & kA) != 0 || (tool.keepThin && (voxel & kB) != 0);
     voxel = in ? kMask : std::uint8_t{0};
   }
-  writeBack(edit, block, edit.limits.overOthers);
+  writeBack(edit, block);
   return {};
 }
 
