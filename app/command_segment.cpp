@@ -34,13 +34,6 @@ struct SegmentOptions {
   double minMm3 = 0.0;
 };
 
-const Preset* presetNamed(const std::string& name) {
-  const std::vector<Preset>& presets = segmentationPresets();
-  const auto it =
-      std::find_if(presets.begin(), presets.end(), [&](const Preset& p) { return p.name == name; });
-  return it == presets.end() ? nullptr : &*it;
-}
-
 /// The one step of --preset and --threshold.
 Result<LabelStep> singleStep(const SegmentOptions& options) {
   tool::Threshold threshold;

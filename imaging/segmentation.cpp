@@ -143,13 +143,25 @@ const std::vector<Preset>& segmentationPresets() {
   return presets;
 }
 
+const Preset* presetNamed(const std::string& name) {
+  for (const Preset& preset : segmentationPresets()) {
+    if (preset.name == name) return &preset;
+  }
+  return nullptr;
+}
+
+const Preset* presetOfLabel(const std::string& label) {
+  for (const Preset& preset : segmentationPresets()) {
+    if (preset.label == label) return &preset;
+  }
+  return nullptr;
+}
+
 Result<ThresholdRange> presetRange(const std::string& preset, const Volume& volume) {
-  const auto& presets = segmentationPresets();
-  const auto found = std::find_if(presets.begin(), presets.end(),
-                                  [&preset](const Preset& p) { return p.name == preset; });
-  if (found == presets.end()) {
+  const Preset* found = presetNamed(preset);
+  if (found == nullptr) {
     std::string names;
-    for (const Preset& p : presets) names += (names.empty() ? "" : ", ") + p.name;
+    for (const Preset& p : segmentationPresets()) names += (names.empty() ? "" : ", ") + p.name;
     return fail(usageError("There is no such preset.")
                     .inField("preset")
                     .butFound(preset)

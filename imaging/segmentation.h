@@ -29,6 +29,9 @@ struct Preset {
 
 /// ct-bone (226..3071), ct-soft-tissue, ct-skin, ct-air, mr-brain, mr-tissue.
 [[nodiscard]] const std::vector<Preset>& segmentationPresets();
+/// The preset of that name, or the first that makes that label; null where there is none.
+[[nodiscard]] const Preset* presetNamed(const std::string& name);
+[[nodiscard]] const Preset* presetOfLabel(const std::string& label);
 /// The preset's range for this volume; refuses an unknown name with the list, and a wrong modality
 /// is a warning for the caller to show (compare Preset::modality).
 [[nodiscard]] Result<ThresholdRange> presetRange(const std::string& preset, const Volume& volume);

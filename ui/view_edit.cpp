@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "imaging/segment/nearest_label.h"
 #include "ui/colours.h"
 
 namespace palpate::ui {
@@ -134,33 +135,6 @@ void dragBox(SegmentPanelState& state, const SliceMouse& at, bool begins) {
 }
 
 }  // namespace
-
-std::optional<Eigen::Vector3d> nearestOf(const LabelGrid& labels, std::uint8_t value,
-                                         const Eigen::Vector3d& p_mm, double reach_mm) {
-  const GridGeometry& g = labels.geometry;
-  const Eigen::Vector3d at = voxelOf(g, p_mm * 1e-3);
-  std::array<std::int32_t, 3> low{}, high{};
-  for (std::size_t d = 0; d < 3; ++d) {
-    const auto axis = static_cast<Eigen::Index>(d);
-    const double reach = reach_mm * 1e-3 / g.spacing[axis];
-    low[d] = std::max(0, static_cast<std::int32_t>(std::ceil(at[axis] - reach)));
-    high[d] = std::min(g.dims[d] - 1, static_cast<std::int32_t>(std::floor(at[axis] + reach)));
-  }
-  double nearest = reach_mm * 1e-3;
-  std::optional<Eigen::Vector3d> found;
-  for (std::int32_t z = low[2]; z <= high[2]; ++z) {
-    for (std::int32_t y = low[1]; y <= high[1]; ++y) {
-      for (std::int32_t x = low[0]; x <= high[0]; ++x) {
-        if (labels.at(x, y, z) != value) continue;
-        const Eigen::Vector3d apart = (Eigen::Vector3d(x, y, z) - at).cwiseProduct(g.spacing);
-        if (apart.norm() > nearest) continue;
-        nearest = apart.norm();
-        found = Eigen::Vector3d(g.X_PV * g.centre_V(x, y, z) * 1e3);
-      }
-    }
-  }
-  return found;
-}
 
 bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& actions) {
   const Gesture gesture = gestureOf(state);

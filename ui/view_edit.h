@@ -53,11 +53,6 @@ void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const
                                                            const Eigen::Vector3d& eye_mm,
                                                            const Eigen::Vector3d& direction_P);
 
-/// Centre, P mm, of the label's voxel nearest to a point, within `reach_mm`.
-[[nodiscard]] std::optional<Eigen::Vector3d> nearestOf(const LabelGrid& labels, std::uint8_t value,
-                                                       const Eigen::Vector3d& p_mm,
-                                                       double reach_mm);
-
 /// Colours of a split's parts, in turn.
 [[nodiscard]] ImU32 partColour(std::size_t part);
 

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <optional>
-#include <set>
 
 #include "imaging/exchange/label_exchange.h"
 #include "imaging/exchange/label_volume.h"
 #include "imaging/exchange/seg_read.h"
 #include "imaging/exchange/surface_read.h"
 #include "imaging/exchange/surface_voxels.h"
+#include "imaging/segment/apply.h"
 #include "imaging/segment/label_colours.h"
 #include "imaging/segmentation.h"
 
@@ -59,22 +59,11 @@ Result<void> choose(FoundLabels& found, const std::string& only, const fs::path&
                   .advise("Choose one of these, or leave --label out to take them all."));
 }
 
-const Preset* presetOf(const std::string& label) {
-  const auto& presets = segmentationPresets();
-  const auto at = std::find_if(presets.begin(), presets.end(),
-                               [&label](const Preset& p) { return p.label == label; });
-  return at == presets.end() ? nullptr : &*at;
-}
-
 /// The stated value where no row has it, else the lowest free one.
 std::optional<std::uint8_t> freeValue(const LabelTable& table, std::uint8_t stated) {
-  std::set<int> used;
-  for (const LabelInfo& row : table) used.insert(row.value);
-  if (!used.contains(stated)) return stated;
-  for (int value = 1; value <= 255; ++value) {
-    if (!used.contains(value)) return static_cast<std::uint8_t>(value);
-  }
-  return std::nullopt;
+  const bool taken = std::any_of(table.begin(), table.end(),
+                                 [stated](const LabelInfo& row) { return row.value == stated; });
+  return taken ? lowestFreeValue(table) : stated;
 }
 
 /// The label's row in the table, made where there is none. False where the table is full.
@@ -82,7 +71,7 @@ bool addRow(const FoundLabel& label, const LabelTable& usual, LabelTable& table,
             std::vector<std::string>& guessed) {
   const auto value = freeValue(table, label.value);
   if (!value) return false;
-  const Preset* preset = presetOf(label.name);
+  const Preset* preset = presetOfLabel(label.name);
   LabelInfo row;
   row.name = label.name;
   row.value = *value;

@@ -59,16 +59,22 @@ std::string toolTitle(const LabelTool& tool) {
   return titles[tool.index()];
 }
 
+std::optional<std::uint8_t> lowestFreeValue(const LabelTable& table) {
+  std::set<int> used;
+  for (const LabelInfo& row : table) used.insert(row.value);
+  for (int value = 1; value <= 255; ++value) {
+    if (!used.contains(value)) return static_cast<std::uint8_t>(value);
+  }
+  return std::nullopt;
+}
+
 Result<LabelInfo> rowFor(const std::string& name, LabelTable& table) {
   if (name.empty()) return fail(usageError("The label has no name.").inField("label"));
   for (const LabelInfo& row : table) {
     if (row.name == name) return row;
   }
-  std::set<int> used;
-  for (const LabelInfo& row : table) used.insert(row.value);
-  int value = 1;
-  while (used.contains(value)) ++value;
-  if (value > 255) {
+  const auto value = lowestFreeValue(table);
+  if (!value) {
     return fail(inputRefused("The case has no room for another label.")
                     .inField("label")
                     .butFound("255 labels")
@@ -77,13 +83,11 @@ Result<LabelInfo> rowFor(const std::string& name, LabelTable& table) {
   }
   LabelInfo row;
   row.name = name;
-  row.value = static_cast<std::uint8_t>(value);
-  row.colour = labelColour(static_cast<std::size_t>(value));
-  for (const Preset& preset : segmentationPresets()) {
-    if (preset.label != name) continue;
-    row.colour = preset.colour;
-    if (!preset.material.empty()) row.material = preset.material;
-    break;
+  row.value = *value;
+  row.colour = labelColour(*value);
+  if (const Preset* preset = presetOfLabel(name); preset != nullptr) {
+    row.colour = preset->colour;
+    if (!preset->material.empty()) row.material = preset->material;
   }
   table.push_back(row);
   return row;

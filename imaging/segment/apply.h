@@ -1,6 +1,9 @@
 #pragma once
 /// Carries out a tool on a case's labels.
 
+#include <optional>
+#include <string>
+
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/voxels/label_grid.h"
@@ -27,6 +30,8 @@ struct LabelState {
 [[nodiscard]] Result<LabelState> applyStep(const Volume& volume, const LabelState& before,
                                            const LabelStep& step, const Progress& progress = {});
 
+/// From 1 to 255; nothing where all are taken.
+[[nodiscard]] std::optional<std::uint8_t> lowestFreeValue(const LabelTable& table);
 /// The row of the label, added with the lowest free value where it is new.
 [[nodiscard]] Result<LabelInfo> rowFor(const std::string& name, LabelTable& table);
 

@@ -6,35 +6,13 @@
 
 #include "imaging/components.h"
 #include "imaging/segment/edit.h"
+#include "imaging/segment/nearest_label.h"
 
 namespace palpate {
 namespace {
 
 /// How far a pick may be from the part that it means.
 constexpr double kPickMm = 5.0;
-
-/// Grid voxel nearest to the pick that has the label, within kPickMm.
-std::optional<std::array<std::int32_t, 3>> labelledNear(const Edit& edit,
-                                                        const Eigen::Vector3d& pick_mm,
-                                                        const std::array<std::int32_t, 3>& voxel) {
-  const GridGeometry& g = edit.geometry();
-  const Eigen::Vector3d pick_V = g.X_PV.inverse() * (pick_mm * 1e-3);
-  const VoxelBox box = grownBy({voxel, voxel}, kPickMm, g);
-  double nearest = kPickMm * 1e-3 * (1.0 + 1e-9);
-  std::optional<std::array<std::int32_t, 3>> found;
-  for (std::int32_t z = box.low[2]; z <= box.high[2]; ++z) {
-    for (std::int32_t y = box.low[1]; y <= box.high[1]; ++y) {
-      for (std::int32_t x = box.low[0]; x <= box.high[0]; ++x) {
-        if (edit.labels.at(x, y, z) != edit.value) continue;
-        const double distance = (g.centre_V(x, y, z) - pick_V).norm();
-        if (distance > nearest || (found && distance == nearest)) continue;
-        nearest = distance;
-        found = std::array{x, y, z};
-      }
-    }
-  }
-  return found;
-}
 
 std::vector<bool> largest(const MaskParts& parts, std::size_t count) {
   std::vector<std::uint32_t> order(parts.voxels.size());
@@ -52,16 +30,17 @@ Result<std::vector<bool>> picked(const Edit& edit, const tool::Islands& tool,
   std::vector<bool> chosen(parts.voxels.size(), false);
   for (std::size_t i = 0; i < tool.picks_mm.size(); ++i) {
     const std::string field = "picks[" + std::to_string(i) + "]";
-    const auto voxel = voxelOf(edit, tool.picks_mm[i], field);
-    if (!voxel) return fail(voxel.error());
-    const auto nearest = labelledNear(edit, tool.picks_mm[i], *voxel);
+    if (const auto in = voxelOf(edit, tool.picks_mm[i], field); !in) return fail(in.error());
+    const auto nearest = nearestOf(edit.labels, edit.value, tool.picks_mm[i], kPickMm);
     if (!nearest) {
       return fail(inputRefused("No part of the label is near the pick.")
                       .inField(field)
                       .wants("a point within 5 mm of the label")
                       .advise("Click on the part itself."));
     }
-    chosen[partOf(parts, block, *nearest).value()] = true;
+    const auto voxel = voxelOf(edit, *nearest, field);
+    if (!voxel) return fail(voxel.error());
+    chosen[partOf(parts, block, *voxel).value()] = true;
   }
   return chosen;
 }

@@ -18,14 +18,6 @@ const std::vector<std::string> kMargins{"dilate", "erode", "open", "close"};
 const std::vector<std::string> kBy{"brightness", "edges"};
 const std::vector<std::string> kCombine{"add", "subtract", "intersect"};
 
-/// The label that a preset makes; its own name where it is unknown, which applyStep() refuses.
-std::string labelOfPreset(const std::string& name) {
-  for (const Preset& preset : segmentationPresets()) {
-    if (preset.name == name) return preset.label;
-  }
-  return name;
-}
-
 LabelTool readThreshold(RecipeReader& step, std::optional<std::string>& preset,
                         std::string& label) {
   tool::Threshold tool;
@@ -38,7 +30,10 @@ LabelTool readThreshold(RecipeReader& step, std::optional<std::string>& preset,
   tool.largestOnly = step.flag("largest", false);
   tool.minMm3 = step.number("min_mm3", 0.0, 0.0);
   label = step.text("label", "");
-  if (preset && label.empty()) label = labelOfPreset(*preset);
+  if (preset && label.empty()) {  // an unknown one is refused when it is applied
+    const Preset* known = presetNamed(*preset);
+    label = known != nullptr ? known->label : *preset;
+  }
   if (range && label.empty()) step.refuse("label", "A threshold needs a label.", "a name");
   return tool;
 }

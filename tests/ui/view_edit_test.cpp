@@ -8,6 +8,7 @@
 #include <random>
 
 #include "imaging/segment/apply.h"
+#include "imaging/segment/nearest_label.h"
 #include "imaging/segment/recipe.h"
 
 namespace palpate::ui {
