@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/counted.h"
 #include "imaging/archive.h"
 
 namespace palpate {
@@ -27,9 +28,7 @@ Error severalVolumes(const fs::path& path, const std::vector<DicomFile>& files,
   std::string list;
   for (const DicomStack* stack : stacks) {
     list += (list.empty() ? "" : "; ") + stack->uid + " (" + modalityOf(files, *stack) + ", " +
-            std::to_string(stack->slices.size()) +
-            (stack->slices.size() == 1 ? " slice)" : " slices)") +
-            (stack->scout ? ", a scout" : "");
+            counted(stack->slices.size(), "slice)", "slices)") + (stack->scout ? ", a scout" : "");
   }
   return inputRefused("There are several volumes in there.")
       .inFile(path.string())

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/counted.h"
 #include "imaging/dicom_volume.h"
 
 namespace palpate {
@@ -61,10 +62,9 @@ void settleCopies(const std::vector<DicomFile>& files, DicomStack& stack) {
                        std::to_string(stack.slices.size()) + " places)",
                    "ImagePositionPatient", "the same in " + names, "one image a place"});
   }
-  stack.warnings.push_back(std::to_string(stack.duplicates.size()) +
-                           (stack.duplicates.size() == 1 ? " identical copy of an image was"
-                                                         : " identical copies of images were") +
-                           " left out.");
+  stack.warnings.push_back(counted(stack.duplicates.size(),
+                                   "identical copy of an image was left out.",
+                                   "identical copies of images were left out."));
 }
 
 void refuseDamagedFiles(const std::vector<DicomFile>& files, DicomStack& stack) {

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
+#include "core/base/counted.h"
+#include "core/base/short_number.h"
 #include "imaging/dicom_frames.h"
 #include "imaging/dicom_stream.h"
 #include "imaging/dicom_toolkit.h"
@@ -136,8 +137,7 @@ DicomProblem problemOfSize(const DicomFile& file, std::uint32_t frames) {
     return {};
   }
   const std::string size = std::to_string(file.columns) + " x " + std::to_string(file.rows) +
-                           " pixels, " + std::to_string(frames) +
-                           (frames == 1 ? " frame" : " frames");
+                           " pixels, " + counted(frames, "frame", "frames");
   return {
       .reason = "it states an image of an impossible size (" + size + ")",
       .field = "Columns, Rows, NumberOfFrames",
@@ -223,10 +223,8 @@ bool holdsName(const std::string& text, const DicomFile& file) {
 std::string dicomNumbers(std::initializer_list<double> values) {
   std::string text;
   for (const double v : values) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.6g", v);
     if (!text.empty()) text.push_back('\\');
-    text += number;
+    text += shortNumber(v);
   }
   return text;
 }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "core/base/short_number.h"
 #include "imaging/components.h"
 #include "imaging/otsu.h"
 
@@ -13,14 +13,8 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-std::string decimal(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 std::string rangeText(double low, double high) {
-  return decimal(low) + " to " + decimal(high);
+  return shortNumber(low) + " to " + shortNumber(high);
 }
 
 template <class T>
@@ -69,7 +63,7 @@ Error nothingSelected(const Volume& volume, const SegmentRequest& request, bool 
   if (!beforeParts) {
     return inputRefused("Every part in the range is smaller than the smallest part to keep.")
         .inField("min-mm3")
-        .butFound(decimal(request.minMm3) + " mm3")
+        .butFound(shortNumber(request.minMm3) + " mm3")
         .advise("Keep smaller parts.");
   }
   const auto [low, high] = valueRange(volume);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/counted.h"
 #include "imaging/segment/recipe.h"
 #include "ui/colours.h"
 #include "ui/format.h"
@@ -220,7 +221,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
     ImGui::SameLine();
     const auto clicks = std::count_if(state.picks.begin(), state.picks.end(),
                                       [p](const auto& pick) { return pick.part == p; });
-    const std::string count = std::to_string(clicks) + (clicks == 1 ? " click" : " clicks");
+    const std::string count = counted(static_cast<std::size_t>(clicks), "click", "clicks");
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(102.0F));
     if (p == 0) {
       ImGui::AlignTextToFramePadding();

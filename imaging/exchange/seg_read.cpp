@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/counted.h"
 #include "imaging/exchange/grid_fit.h"
 #include "imaging/exchange/seg_file.h"
 
@@ -52,8 +53,9 @@ void addWarnings(const SegFile& seg, const std::vector<bool>& shared, bool cut,
   }
   const auto count = std::count(shared.begin(), shared.end(), true);
   if (count > 0) {
-    warnings.push_back("Segments overlap in " + std::to_string(count) +
-                       (count == 1 ? " voxel" : " voxels") + "; the later segment has them.");
+    warnings.push_back("Segments overlap in " +
+                       counted(static_cast<std::size_t>(count), "voxel", "voxels") +
+                       "; the later segment has them.");
   }
   if (cut) warnings.emplace_back("A label's name is longer than 256 bytes and was cut.");
 }

@@ -1,18 +1,10 @@
 #include "imaging/segment/edit.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "core/base/short_number.h"
 
 namespace palpate {
-namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
-}  // namespace
 
 void writeBack(const Edit& edit, const MaskBlock& block) {
   const VoxelBox& box = block.box;
@@ -47,8 +39,8 @@ Result<std::array<std::int32_t, 3>> voxelOf(const Edit& edit, const Eigen::Vecto
   }
   return fail(inputRefused("The point is not in the scan.")
                   .inField(field)
-                  .butFound(number(point_mm.x()) + ", " + number(point_mm.y()) + ", " +
-                            number(point_mm.z()) + " mm")
+                  .butFound(shortNumber(point_mm.x()) + ", " + shortNumber(point_mm.y()) + ", " +
+                            shortNumber(point_mm.z()) + " mm")
                   .wants("a point of the scan, patient coordinates (LPS)")
                   .advise("Choose a point on the anatomy."));
 }
@@ -57,8 +49,8 @@ Result<void> within(double value, double low, double high, const std::string& fi
   if (std::isfinite(value) && value >= low && value <= high) return {};
   return fail(usageError("The number is out of range.")
                   .inField(field)
-                  .butFound(number(value))
-                  .wants(number(low) + " to " + number(high))
+                  .butFound(shortNumber(value))
+                  .wants(shortNumber(low) + " to " + shortNumber(high))
                   .advise("Choose a number in this range."));
 }
 
@@ -66,7 +58,7 @@ Result<void> checkRange(const ThresholdRange& range) {
   if (std::isfinite(range.low) && std::isfinite(range.high) && range.low <= range.high) return {};
   return fail(usageError("The lower end of the range is above the upper end.")
                   .inField("threshold")
-                  .butFound(number(range.low) + " to " + number(range.high))
+                  .butFound(shortNumber(range.low) + " to " + shortNumber(range.high))
                   .wants("low, then high")
                   .advise("Swap the two numbers."));
 }
