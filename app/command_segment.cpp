@@ -122,11 +122,9 @@ Result<Work> openCase(const fs::path& folder) {
     return fail(writable.error());
   }
   if (!caseHasLabels(folder)) return work;
-  Result<LabelGrid> labels = readCaseLabels(folder);
-  if (!labels) return fail(labels.error());
-  Result<LabelTable> table = readCaseLabelTable(folder);
-  if (!table) return fail(table.error());
-  work.state = {std::move(*labels), std::move(*table)};
+  Result<LabelState> state = readCaseLabelState(folder);
+  if (!state) return fail(state.error());
+  work.state = std::move(*state);
   work.recipe = readCaseRecipe(folder);
   if (work.recipe.steps.empty()) work.recipe.whole = false;
   return work;

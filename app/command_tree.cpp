@@ -45,20 +45,19 @@ CommandOutput reportTree(const TreeStats& stats) {
 
 Result<CommandOutput> runTree(const TreeCommandOptions& options, const CommandContext& context) {
   context.progress(0.0, "Reading the labels");
-  const Result<LabelGrid> labels = readCaseLabels(options.caseFolder);
-  if (!labels) return fail(labels.error());
-  const Result<LabelTable> table = readCaseLabelTable(options.caseFolder);
-  if (!table) return fail(table.error());
-  const Result<std::uint8_t> value = labelValue(*table, options.label);
+  const Result<LabelState> state = readCaseLabelState(options.caseFolder);
+  if (!state) return fail(state.error());
+  const LabelGrid& labels = state->labels;
+  const Result<std::uint8_t> value = labelValue(state->table, options.label);
   if (!value) return fail(value.error());
   TreeOptions treeOptions;
   treeOptions.branching = static_cast<Branching>(options.branching);
   treeOptions.leaf = options.leaf == "voxel" ? LeafModel::Voxel : LeafModel::Distance;
   const Result<VoxelTree> tree =
-      VoxelTree::build(*labels, std::span(&*value, 1), treeOptions, context.progress);
+      VoxelTree::build(labels, std::span(&*value, 1), treeOptions, context.progress);
   if (!tree) return fail(tree.error());
   // Left in the case, so that simulate and the desktop need not build it again.
-  const std::uint64_t source = treeSourceFingerprint(*labels, std::span(&*value, 1), treeOptions);
+  const std::uint64_t source = treeSourceFingerprint(labels, std::span(&*value, 1), treeOptions);
   const auto kept = saveTreeCache(*tree, source, options.caseFolder / treeCacheName(source));
   CommandOutput output = reportTree(tree->stats());
   if (!kept) output.warnings.push_back(kept.error().message);

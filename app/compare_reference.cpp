@@ -15,9 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Same voxels within this, as a case's own files.
-constexpr double kSameGeometry_m = 1e-6;
-
 /// All of the text as a whole number.
 std::optional<int> wholeNumber(const std::string& text) {
   int number = 0;

@@ -24,17 +24,15 @@ Result<OpenCase> readCase(const std::filesystem::path& folder, const Progress& p
   if (progress.cancelled()) return fail(cancelled());
   if (caseHasLabels(folder)) {
     progress(0.7, "Reading the labels");
-    auto table = readCaseLabelTable(folder);
-    if (!table) return fail(table.error());
-    auto labels = readCaseLabels(folder);
-    if (!labels) return fail(labels.error());
-    if (labels->geometry.dims != open.volume->geometry.dims) {
+    auto state = readCaseLabelState(folder);
+    if (!state) return fail(state.error());
+    if (state->labels.geometry.dims != open.volume->geometry.dims) {
       return fail(inputRefused("The labels of this case do not fit its volume.")
                       .inFile((folder / "labels.mha").string())
                       .advise("Remove labels.mha and segment again."));
     }
-    open.table = std::move(*table);
-    open.labels = std::make_shared<const LabelGrid>(std::move(*labels));
+    open.table = std::move(state->table);
+    open.labels = std::make_shared<const LabelGrid>(std::move(state->labels));
   }
   progress(1.0, "Read");
   return open;

@@ -91,12 +91,10 @@ Result<std::shared_ptr<const PreparedScene>> loadScene(const fs::path& caseOrSce
   if (!instrument) return fail(instrument.error());
   const Result<std::vector<Material>> materials = readMaterials(datasets / "materials.toml");
   if (!materials) return fail(materials.error());
-  Result<LabelGrid> labels = readCaseLabels(place->caseFolder);
-  if (!labels) return fail(labels.error());
-  const Result<LabelTable> table = readCaseLabelTable(place->caseFolder);
-  if (!table) return fail(table.error());
-  return prepareScene(*scene, std::make_shared<const LabelGrid>(std::move(*labels)), *table,
-                      *materials, *instrument, progress, place->caseFolder);
+  Result<LabelState> state = readCaseLabelState(place->caseFolder);
+  if (!state) return fail(state.error());
+  return prepareScene(*scene, std::make_shared<const LabelGrid>(std::move(state->labels)),
+                      state->table, *materials, *instrument, progress, place->caseFolder);
 }
 
 }  // namespace palpate

@@ -23,12 +23,10 @@ Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
   LabelGrid labels{info->geometry, {}};
   LabelTable table;
   if (caseHasLabels(request.caseFolder)) {
-    Result<LabelGrid> there = readCaseLabels(request.caseFolder);
+    Result<LabelState> there = readCaseLabelState(request.caseFolder);
     if (!there) return fail(there.error());
-    labels = std::move(*there);
-    Result<LabelTable> rows = readCaseLabelTable(request.caseFolder);
-    if (!rows) return fail(rows.error());
-    table = std::move(*rows);
+    labels = std::move(there->labels);
+    table = std::move(there->table);
   } else {
     labels.labels.assign(info->geometry.voxelCount(), 0);
   }

@@ -26,7 +26,6 @@ constexpr const char* kTable = "labels.toml";
 
 // One thousandth of a millimetre: a file saved again by another program (3D Slicer) keeps its
 // corners within it, and the geometry of case.toml is the one that counts.
-constexpr double kSameGeometry_m = 1e-6;
 
 CaseInfo infoOf(const ImportedScan& scan) {
   CaseInfo info;
@@ -195,8 +194,7 @@ Result<Volume> readCaseVolume(const fs::path& folder) {
   const fs::path file = folder / kVolume;
   auto volume = readVolumeFile(file);
   if (!volume) return volume;
-  if (volume->geometry.dims != info->geometry.dims ||
-      volume->geometry.cornerDistance(info->geometry) > kSameGeometry_m) {
+  if (!volume->geometry.sameAs(info->geometry)) {
     return fail(otherVolume(file, "geometry"));
   }
   if (voxelsSha256(*volume) != info->voxelsSha256) return fail(otherVolume(file, "voxels"));
@@ -216,21 +214,26 @@ Result<LabelTable> readCaseLabelTable(const fs::path& folder) {
   return readLabelTable(folder / kTable);
 }
 
-Result<LabelGrid> readCaseLabels(const fs::path& folder) {
+Result<LabelState> readCaseLabelState(const fs::path& folder) {
   const auto info = readCaseInfo(folder);
   if (!info) return fail(info.error());
-  const auto table = readCaseLabelTable(folder);
+  auto table = readCaseLabelTable(folder);
   if (!table) return fail(table.error());
   const fs::path file = folder / kLabels;
   auto grid = readLabelFile(file);
-  if (!grid) return grid;
-  if (grid->geometry.dims != info->geometry.dims ||
-      grid->geometry.cornerDistance(info->geometry) > kSameGeometry_m) {
+  if (!grid) return fail(grid.error());
+  if (!grid->geometry.sameAs(info->geometry)) {
     return fail(otherVolume(file, "geometry").advise("Segment again."));
   }
   if (auto named = refuseUnnamedLabels(*grid, *table, file); !named) return fail(named.error());
   grid->geometry = info->geometry;
-  return grid;
+  return LabelState{std::move(*grid), std::move(*table)};
+}
+
+Result<LabelGrid> readCaseLabels(const fs::path& folder) {
+  auto state = readCaseLabelState(folder);
+  if (!state) return fail(state.error());
+  return std::move(state->labels);
 }
 
 Result<void> writeCaseLabels(const fs::path& folder, const LabelGrid& labels,
@@ -239,8 +242,7 @@ Result<void> writeCaseLabels(const fs::path& folder, const LabelGrid& labels,
   if (!info) return fail(info.error());
   if (auto fits = checkLabelTable(table); !fits) return fits;
   if (auto named = refuseUnnamedLabels(labels, table, folder / kLabels); !named) return named;
-  if (labels.geometry.dims != info->geometry.dims ||
-      labels.geometry.cornerDistance(info->geometry) > kSameGeometry_m) {
+  if (!labels.geometry.sameAs(info->geometry)) {
     return fail(otherVolume(folder / kLabels, "geometry").advise("Segment the case's own volume."));
   }
   // Both are complete beside their names before either gets its name.

@@ -34,6 +34,7 @@ struct CaseInfo {
 [[nodiscard]] Result<CaseInfo> readCaseInfo(const std::filesystem::path& folder);
 [[nodiscard]] Result<Volume> readCaseVolume(const std::filesystem::path& folder);
 /// A case without labels is refused with the command that makes them.
+[[nodiscard]] Result<LabelState> readCaseLabelState(const std::filesystem::path& folder);
 [[nodiscard]] Result<LabelGrid> readCaseLabels(const std::filesystem::path& folder);
 [[nodiscard]] Result<LabelTable> readCaseLabelTable(const std::filesystem::path& folder);
 [[nodiscard]] bool caseHasLabels(const std::filesystem::path& folder);

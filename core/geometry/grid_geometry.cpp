@@ -40,4 +40,8 @@ double GridGeometry::cornerDistance(const GridGeometry& other) const noexcept {
   return worst;
 }
 
+bool GridGeometry::sameAs(const GridGeometry& other) const noexcept {
+  return dims == other.dims && cornerDistance(other) <= kSameGeometry_m;
+}
+
 }  // namespace palpate

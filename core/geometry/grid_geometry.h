@@ -12,6 +12,9 @@
 
 namespace palpate {
 
+/// Two grids within this are one, metres.
+inline constexpr double kSameGeometry_m = 1e-6;
+
 struct GridGeometry {
   std::array<std::int32_t, 3> dims{0, 0, 0};                  ///< Voxels along x, y, z.
   Eigen::Vector3d spacing = Eigen::Vector3d::Constant(1e-3);  ///< Metres, > 0 per axis.
@@ -38,6 +41,9 @@ struct GridGeometry {
   [[nodiscard]] std::array<Eigen::Vector3d, 8> cornerCentres_P() const noexcept;
   /// Largest distance between matching corners of two grids, metres.
   [[nodiscard]] double cornerDistance(const GridGeometry& other) const noexcept;
+  /// As many voxels, corners within a micrometre: what other programs keep of a grid that they
+  /// write.
+  [[nodiscard]] bool sameAs(const GridGeometry& other) const noexcept;
 };
 
 }  // namespace palpate

@@ -33,4 +33,10 @@ struct LabelInfo {
 
 using LabelTable = std::vector<LabelInfo>;
 
+/// A case's labels and what they are called.
+struct LabelState {
+  LabelGrid labels;
+  LabelTable table;
+};
+
 }  // namespace palpate

@@ -99,24 +99,23 @@ Result<ExportReport> exportLabels(const ExportRequest& request, const Progress& 
   if (!info) return fail(info.error());
   if (auto place = refusePlace(request); !place) return fail(place.error());
   progress(0.0, "Reading the labels");
-  auto grid = readCaseLabels(request.caseFolder);
-  if (!grid) return fail(grid.error());
-  const auto table = readCaseLabelTable(request.caseFolder);
-  if (!table) return fail(table.error());
-  const auto rows = chosenRows(*table, request.labels);
+  auto state = readCaseLabelState(request.caseFolder);
+  if (!state) return fail(state.error());
+  LabelGrid& grid = state->labels;
+  const auto rows = chosenRows(state->table, request.labels);
   if (!rows) return fail(rows.error());
-  keepOnly(*rows, *grid);
+  keepOnly(*rows, grid);
   ExportReport report;
   report.format = *format;
-  for (const LabelCount& count : countLabels(*grid, *rows)) {
+  for (const LabelCount& count : countLabels(grid, *rows)) {
     report.labels.push_back({count.name, count.value, count.voxels});
   }
   if (progress.cancelled()) return fail(cancelled());
   const Result<void> written = isSurface(*format)
-                                   ? exportSurface(request, *grid, *rows, progress, report)
+                                   ? exportSurface(request, grid, *rows, progress, report)
                                : *format == ExchangeFormat::DicomSeg
-                                   ? exportSeg(request, *info, *grid, *rows, progress, report)
-                                   : writeLabelVolume(*grid, *rows, request.file);
+                                   ? exportSeg(request, *info, grid, *rows, progress, report)
+                                   : writeLabelVolume(grid, *rows, request.file);
   if (!written) return fail(written.error());
   progress(1.0, "Exported");
   return report;

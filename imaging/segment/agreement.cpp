@@ -13,16 +13,13 @@
 namespace palpate {
 namespace {
 
-// As a case's own files (imaging/case_folder.cpp): other programs keep corners within it.
-constexpr double kSameGeometry_m = 1e-6;
-
 std::string countsText(const GridGeometry& geometry) {
   return std::to_string(geometry.dims[0]) + " x " + std::to_string(geometry.dims[1]) + " x " +
          std::to_string(geometry.dims[2]) + " voxels";
 }
 
 Result<void> refuseOtherGrid(const GridGeometry& a, const GridGeometry& b) {
-  if (a.dims == b.dims && a.cornerDistance(b) <= kSameGeometry_m) return {};
+  if (a.sameAs(b)) return {};
   std::string found = countsText(b);
   if (a.dims == b.dims) {
     found += ", corners up to " + std::to_string(a.cornerDistance(b) * 1e3) + " mm away";

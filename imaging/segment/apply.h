@@ -12,12 +12,6 @@
 
 namespace palpate {
 
-/// Labels and their table after a step.
-struct LabelState {
-  LabelGrid labels;
-  LabelTable table;
-};
-
 /// The labels after `step`. `before` may have no voxels (nothing labelled yet). A new label gets
 /// the lowest free value, and colour and material of the preset of its name, else the next
 /// Okabe–Ito colour and "bone".
