@@ -95,7 +95,6 @@ class Desktop {
   void leaveSegment();
   void describeUndo();
   [[nodiscard]] int meshStep() const;
-  [[nodiscard]] SharedLabels currentLabels() const;
   [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const LabelState& state) const;
 
   // desktop_scene.cpp: what is felt

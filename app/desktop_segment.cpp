@@ -52,13 +52,6 @@ std::string compared(std::uint64_t was, std::uint64_t is) {
 
 }  // namespace
 
-SharedLabels Desktop::currentLabels() const {
-  auto state = std::make_shared<LabelState>();
-  if (open_ && open_->labels) state->labels = *open_->labels;
-  if (open_) state->table = open_->table;
-  return state;
-}
-
 int Desktop::meshStep() const {
   // Software rendering is bound by vertices: half the resolution is a quarter of them.
   return window_->softwareRendering() && open_->volume->size() > 12'000'000 ? 2 : 1;
@@ -72,7 +65,8 @@ void Desktop::openLabels() {
   unsaved_ = false;
   recipe_ = readCaseRecipe(open_->folder);
   if (open_->labels && recipe_.steps.empty()) recipe_.whole = false;
-  const SharedLabels state = currentLabels();
+  const auto state = std::make_shared<const LabelState>(
+      LabelState{open_->labels ? *open_->labels : LabelGrid{}, open_->table});
   labelWorker_.open(open_->volume, state, meshStep());
   workspace_->clearSurfaces();
   workspace_->segment() = {};
@@ -239,10 +233,7 @@ void Desktop::editLabel(const ui::act::EditLabel& wish) {
 }
 
 void Desktop::setTable(const LabelTable& table) {
-  labelWorker_.setTable(table);
-  auto state = std::make_shared<LabelState>(*currentLabels());
-  state->table = table;
-  takeLabels(state);
+  takeLabels(labelWorker_.setTable(table));
   saveLabels();
 }
 

@@ -82,12 +82,13 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
   wake_.notify_all();
 }
 
-void LabelWorker::setTable(const LabelTable& table) {
+SharedLabels LabelWorker::setTable(const LabelTable& table) {
+  dropPreview();
   const std::lock_guard lock(mutex_);
   auto changed = std::make_shared<LabelState>(*labels_);
   changed->table = table;
   labels_ = std::move(changed);
-  previewed_.reset();
+  return labels_;
 }
 
 void LabelWorker::cancel() {
@@ -226,6 +227,7 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
     const std::lock_guard lock(mutex_);
     if (generation != generation_) return;
     if (request.kind == Kind::Preview) {
+      if (cancel_->cancelled()) return;  // dropped: of labels that may be others by now
       previewed_ = *after;
       previewKey_ = recipeText({request.step});
     } else {

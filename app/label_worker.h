@@ -67,8 +67,9 @@ class LabelWorker {
   /// Runs after the steps before it. What was just previewed is not computed again.
   void commit(const LabelStep& step);
   void restore(std::shared_ptr<const PackedState> state);
-  /// The table alone: names, colours, materials. Not while steps run (busy()).
-  void setTable(const LabelTable& table);
+  /// The table alone: names, colours, materials. Not while steps run (busy()); drops the preview.
+  /// The labels with that table.
+  [[nodiscard]] SharedLabels setTable(const LabelTable& table);
   /// The step that runs, and those that wait.
   void cancel();
 

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
+#include <thread>
 
 namespace palpate {
 namespace {
@@ -130,6 +132,32 @@ TEST_F(Worker, ARefusedStepLeavesTheLabelsAsTheyWere) {
     if (outcome.kind == Kind::Step) counts.push_back(outcome.labels ? count(outcome.labels) : -1);
   }
   EXPECT_EQ(counts, (std::vector<std::int64_t>{64001, -1, 38 * 38 * 38}));
+}
+
+/// A preview that is being made while the table changes is of the old table: it is not taken.
+TEST_F(Worker, ANewTableOutlivesThePreviewThatRan) {
+  worker.commit(bone());
+  (void)all();
+  const LabelStep step = margin(tool::Margin::Operation::Erode, 1.0);
+  for (int i = 0; i < 60; ++i) {
+    worker.preview(step);
+    std::this_thread::sleep_for(std::chrono::microseconds(200 * (i % 20)));
+    const std::string material = "material-" + std::to_string(i);
+    const SharedLabels set = worker.setTable({LabelInfo{.name = "bone", .material = material}});
+    EXPECT_EQ(set->table[0].material, material);
+    worker.commit(step);
+    SharedLabels stepped;
+    std::shared_ptr<const PackedState> before;
+    for (const auto& outcome : all()) {
+      if (outcome.kind != Kind::Step) continue;
+      stepped = outcome.labels;
+      before = outcome.before;
+    }
+    ASSERT_TRUE(stepped);
+    EXPECT_EQ(stepped->table[0].material, material) << i;
+    worker.restore(before);
+    (void)all();
+  }
 }
 
 /// Strokes come faster than surfaces: those in between are left out, none is forgotten.
