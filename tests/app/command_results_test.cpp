@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/app/program_run.h"
+#include "tests/app/ball_suite.h"
 
 namespace palpate::test {
 namespace {
@@ -28,19 +28,8 @@ void expectKeys(const json& object, std::vector<std::string> expected) {
   EXPECT_EQ(keys(object), expected);
 }
 
-/// One case for the whole suite: making it is the slow part.
-class OnABall : public testing::Test {
+class OnABall : public BallSuite {
  protected:
-  static void SetUpTestSuite() {
-    folder = new TempFolder;
-    made = makeBallCase(*folder / "case");
-  }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
-  void SetUp() override { ASSERT_TRUE(made); }
-  static std::string at(const std::string& name) { return (*folder / name).string(); }
   static json result(std::vector<std::string> arguments) {
     arguments.emplace_back("--json");
     const ProgramRun run = palpate(arguments);
@@ -49,8 +38,6 @@ class OnABall : public testing::Test {
     EXPECT_TRUE(value.is_object()) << run.out;
     return value;
   }
-  static inline TempFolder* folder = nullptr;
-  static inline bool made = false;
 };
 
 TEST_F(OnABall, Import) {

@@ -6,7 +6,7 @@
 #include "core/voxels/label_grid.h"
 #include "imaging/case_folder.h"
 #include "imaging/volume_files.h"
-#include "tests/app/program_run.h"
+#include "tests/app/ball_suite.h"
 
 namespace palpate::test {
 namespace {
@@ -14,17 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// One case of a ball in `bone` for the whole suite.
-class Compare : public testing::Test {
+class Compare : public BallSuite {
  protected:
-  static void SetUpTestSuite() {
-    folder = new TempFolder;
-    made = makeBallCase(*folder / "case");
-  }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
   void SetUp() override {
     ASSERT_TRUE(made);
     auto read = readCaseLabels(*folder / "case");
@@ -32,7 +23,6 @@ class Compare : public testing::Test {
     labels = std::move(*read);
   }
 
-  static std::string at(const std::string& name) { return (*folder / name).string(); }
   static ProgramRun compare(const std::string& reference, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"compare",     at("case"), "--label", "bone",
                                        "--reference", reference,  "--json"};
@@ -65,8 +55,6 @@ class Compare : public testing::Test {
   }
 
   LabelGrid labels;
-  static inline TempFolder* folder = nullptr;
-  static inline bool made = false;
 };
 
 TEST_F(Compare, WithItselfIsWholeAndHasEveryField) {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <sstream>
 
-#include "tests/app/program_run.h"
+#include "tests/app/ball_suite.h"
 
 namespace palpate::test {
 namespace {
@@ -48,17 +48,8 @@ double number(const Row& row, std::size_t column) {
   return std::stod(row[column]);
 }
 
-/// Made once: the run is the slow part.
-class SamplesRecomputed : public testing::Test {
+class SamplesRecomputed : public BallSuite {
  protected:
-  static void SetUpTestSuite() {
-    folder = new TempFolder;
-    made = makeBallCase(*folder / "case");
-  }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
   void SetUp() override {
     if (std::string(PALPATE_PYTHON).empty()) GTEST_SKIP() << "There is no Python 3.";
     ASSERT_TRUE(made);
@@ -99,8 +90,6 @@ class SamplesRecomputed : public testing::Test {
     }
     EXPECT_TRUE(told) << promise << " not in:\n" << said;
   }
-  static inline TempFolder* folder = nullptr;
-  static inline bool made = false;
 };
 
 TEST_F(SamplesRecomputed, EveryDeviceKeepsItsPromises) {
