@@ -1,9 +1,10 @@
 #include "imaging/case_info.h"
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+
+#include "core/base/toml.h"
 
 namespace palpate {
 namespace fs = std::filesystem;

@@ -1,11 +1,12 @@
 #include "imaging/labels_file.h"
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <set>
 #include <sstream>
 #include <string_view>
+
+#include "core/base/toml.h"
 
 namespace palpate {
 namespace fs = std::filesystem;

@@ -5,10 +5,6 @@
 /// expected; the readers after it do nothing, so that a caller reads all keys and asks once. For
 /// the .cpp files of this room only.
 
-// toml++ is configured one way in the whole program (its defaults): its functions are shared at
-// link.
-#include <toml++/toml.h>
-
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -20,6 +16,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/toml.h"
 
 namespace palpate {
 

@@ -158,42 +158,6 @@ LabelStep readStep(RecipeReader& step) {
   return read;
 }
 
-/// Where the quoted text ends that begins at `at`: after its closing quotes, or at the end.
-std::size_t endOfQuoted(const std::string& text, std::size_t at) {
-  const char quote = text[at];
-  const bool triple = text.compare(at, 3, std::string(3, quote)) == 0;
-  const std::string closing(triple ? 3U : 1U, quote);
-  for (std::size_t i = at + closing.size(); i < text.size(); ++i) {
-    if (quote == '"' && text[i] == '\\') {
-      ++i;
-    } else if (text.compare(i, closing.size(), closing) == 0) {
-      return i + closing.size();
-    } else if (!triple && text[i] == '\n') {
-      return i;
-    }
-  }
-  return text.size();
-}
-
-/// The line with a byte beyond ASCII outside quotes and comments; 0 without one. Debian's toml++
-/// (3.x) runs into __builtin_unreachable on some of these.
-std::size_t lineOfStrayLetter(const std::string& text) {
-  std::size_t i = text.starts_with("\xef\xbb\xbf") ? 3 : 0;  // a byte-order mark
-  while (i < text.size()) {
-    if (text[i] == '#') {
-      i = std::min(text.find('\n', i), text.size());
-    } else if (text[i] == '"' || text[i] == '\'') {
-      i = endOfQuoted(text, i);
-    } else if (static_cast<unsigned char>(text[i]) >= 0x80U) {
-      const auto end = text.begin() + static_cast<std::ptrdiff_t>(i);
-      return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
-    } else {
-      ++i;
-    }
-  }
-  return 0;
-}
-
 Result<std::vector<LabelStep>> stepsOf(const toml::table& root, const fs::path& file) {
   RecipeReader reader(root, file, "");
   std::vector<LabelStep> steps;
@@ -289,11 +253,6 @@ Result<std::vector<LabelStep>> readRecipe(const fs::path& file) {
 }
 
 Result<std::vector<LabelStep>> parseRecipe(const std::string& text, const fs::path& file) {
-  if (const std::size_t line = lineOfStrayLetter(text); line > 0) {
-    return fail(recipeRefused(file, "line " + std::to_string(line),
-                              "The recipe is not TOML: a letter beyond ASCII is not in quotes.",
-                              "such letters in quotes or comments only"));
-  }
   try {
     return stepsOf(toml::parse(text), file);
   } catch (const toml::parse_error& problem) {

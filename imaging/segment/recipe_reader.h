@@ -3,8 +3,6 @@
 ///
 /// Not for use outside this folder.
 
-#include <toml++/toml.h>
-
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/toml.h"
 #include "imaging/segmentation.h"
 
 namespace palpate {

@@ -123,8 +123,7 @@ TEST(StrayLetters, AreRefusedByLineAndInQuotesAreWelcome) {
     const auto read = parseRecipe(step + stray, "r.toml");
     ASSERT_FALSE(read);
     EXPECT_EQ(read.error().field, "line 4");
-    EXPECT_EQ(read.error().message,
-              "The recipe is not TOML: a letter beyond ASCII is not in quotes.");
+    EXPECT_NE(read.error().message.find("\u03dc"), std::string::npos) << read.error().message;
   }
 }
 
