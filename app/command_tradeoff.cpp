@@ -3,99 +3,109 @@
 
 #include "app/command.h"
 #include "app/commands.h"
+#include "app/device_facts.h"
 #include "app/duration_text.h"
+#include "app/known_shape_scene.h"
 #include "app/program_paths.h"
 #include "app/scene_loading.h"
-#include "app/text_table.h"
-#include "app/tradeoff_files.h"
+#include "app/trade_report.h"
 #include "core/base/whole_file.h"
+#include "core/trade/choice.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
-constexpr std::uint64_t kFullSeeds = 5;
+// Half a voxel of a usual CT: fine enough for a closed form to be close, coarse enough for minutes.
+constexpr double kShapeVoxel_mm = 0.5;
 
 struct TradeoffOptions {
   fs::path caseOrScene, out;
-  bool full = false, choose = false;
+  std::string shape;
+  double voxel_mm = kShapeVoxel_mm;
+  std::vector<std::string> sessions;
+  bool quick = false, full = false, choose = false;
   std::string deadline = "1ms";
   double headroom = 0.5;
   std::uint64_t seed = 1;
 };
 
-/// The worst of both: what --full promises of a setting holds on every trajectory.
-void keepWorst(TradePoint& worst, const TradePoint& other) {
-  const auto keep = [](auto& mine, auto theirs) { mine = std::max(mine, theirs); };
-  keep(worst.depthErrorP95_mm, other.depthErrorP95_mm);
-  keep(worst.normalErrorP95_deg, other.normalErrorP95_deg);
-  keep(worst.forceErrorP95_N, other.forceErrorP95_N);
-  keep(worst.contactsMissed, other.contactsMissed);
-  keep(worst.contactsExtra, other.contactsExtra);
-  keep(worst.stepP50_us, other.stepP50_us);
-  keep(worst.stepP99_us, other.stepP99_us);
-  keep(worst.stepP999_us, other.stepP999_us);
-  worst.onFront = worst.onFront && other.onFront;
-}
-
-/// One sweep, or with --full five trajectories and the worst of each setting.
-Result<std::vector<TradePoint>> sweep(const TradeoffOptions& options, const PreparedScene& scene,
-                                      const Progress& progress) {
-  const std::uint64_t runs = options.full ? kFullSeeds : 1;
-  std::vector<TradePoint> points;
-  for (std::uint64_t run = 0; run < runs; ++run) {
-    Progress part;
-    part.cancel = progress.cancel;
-    part.report = [&](double fraction, const std::string& what) {
-      progress((static_cast<double>(run) + fraction) / static_cast<double>(runs), what);
-    };
-    Result<std::vector<TradePoint>> found = sweepTrade(scene, options.seed + run, part);
-    if (!found) return fail(found.error());
-    if (run == 0) {
-      points = std::move(*found);
-      continue;
-    }
-    for (std::size_t i = 0; i < std::min(points.size(), found->size()); ++i) {
-      keepWorst(points[i], (*found)[i]);
-    }
+Result<void> checkOptions(const TradeoffOptions& options) {
+  if (options.caseOrScene.empty() == options.shape.empty()) {
+    return fail(usageError("What is measured is a case, or a known shape.")
+                    .inField("CASE|SCENE, --shape")
+                    .wants("exactly one of them"));
   }
-  return points;
-}
-
-Result<CommandOutput> runTradeoff(const TradeoffOptions& options, const CommandContext& context) {
-  const Result<double> deadline = parseDuration(options.deadline, "--deadline");
-  if (!deadline) return fail(deadline.error());
   if (options.out.empty() && !options.choose) {
     return fail(usageError("Nothing says where the sweep goes.")
                     .inField("--out")
                     .advise("Give --out DIR, or --choose to see only the choice."));
   }
-  if (!options.out.empty()) {
-    const Result<void> writable = checkWritable(options.out);
-    if (!writable) return fail(writable.error());
-  }
+  return options.out.empty() ? Result<void>{} : checkWritable(options.out);
+}
+
+/// The scene, and the shape whose closed form it is measured against.
+Result<std::shared_ptr<const PreparedScene>> sceneOf(const TradeoffOptions& options,
+                                                     TradeRequest& request,
+                                                     const Progress& progress) {
   const Result<fs::path> datasets = datasetsFolder();
   if (!datasets) return fail(datasets.error());
-  const auto scene = loadScene(options.caseOrScene, *datasets, {}, context.progress);
-  if (!scene) return fail(scene.error());
-  const Result<std::vector<TradePoint>> points = sweep(options, **scene, context.progress);
-  if (!points) return fail(points.error());
+  if (options.shape.empty()) return loadScene(options.caseOrScene, *datasets, {}, progress);
+  const auto shape = knownShapeNamed(options.shape);
+  if (!shape) return fail(shape.error());
+  request.shape = *shape;
+  return knownShapeScene(*shape, 1e-3 * options.voxel_mm, *datasets, progress);
+}
 
-  TradeoffResult result{*points, {}, options.seed, *deadline, options.headroom};
+Result<void> choose(const TradeoffOptions& options, const PreparedScene& scene,
+                    TradeRequest request, const Progress& progress, TradeReport& report) {
+  Result<TradePoint> chosen =
+      chooseSetting(report.sweep.points, report.deadline_s, report.headroom);
+  if (!chosen) return fail(chosen.error());
+  report.chosen = std::move(*chosen);
+  request.seed = report.checkedSeed = options.seed + 1;
+  auto checked = measureSetting(
+      scene, request, {report.chosen->name, report.chosen->setting, {}, {}}, progress);
+  if (!checked) return fail(checked.error());
+  report.checked = std::move(*checked);
+  return {};
+}
+
+Result<CommandOutput> runTradeoff(const TradeoffOptions& options, const CommandContext& context) {
+  const Result<double> deadline = parseDuration(options.deadline, "--deadline");
+  if (!deadline) return fail(deadline.error());
+  if (auto checked = checkOptions(options); !checked) return fail(checked.error());
+  TradeRequest request;
+  request.seed = options.seed;
+  if (options.quick) request.effort = TradeEffort::Quick;
+  if (options.full) request.effort = TradeEffort::Full;
+  const auto scene = sceneOf(options, request, context.progress);
+  if (!scene) return fail(scene.error());
+  request.device = deviceFacts((*scene)->scene.device);
+  for (const std::string& session : options.sessions) {
+    auto path = sessionPath(session);
+    if (!path) return fail(path.error());
+    request.recorded.push_back(std::move(*path));
+  }
+  auto sweep = sweepTrade(**scene, request, context.progress);
+  if (!sweep) return fail(sweep.error());
+
+  TradeReport report;
+  report.sweep = std::move(*sweep);
+  report.deadline_s = *deadline;
+  report.headroom = options.headroom;
   if (options.choose) {
-    Result<TradePoint> chosen = chooseSetting(*points, *deadline, options.headroom);
+    auto chosen = choose(options, **scene, request, context.progress, report);
     if (!chosen) return fail(chosen.error());
-    result.chosen = std::move(*chosen);
   }
   if (!options.out.empty()) {
-    const Result<void> written = writeTradeoffFiles(result, options.out);
+    const Result<void> written = writeTradeFiles(report, options.out);
     if (!written) return fail(written.error());
   }
   CommandOutput output;
-  output.json = tradeoffJson(result);
-  output.text = tradeoffText(result);
+  output.json = tradeJson(report);
+  output.text = tradeText(report);
   return output;
 }
 
@@ -106,10 +116,21 @@ void addTradeoffCommand(CommandSet& commands) {
   CLI::App* sub = commands.add(
       "tradeoff", "Measures speed against accuracy over many settings",
       [options](const CommandContext& context) { return runTradeoff(*options, context); });
-  sub->add_option("CASE|SCENE", options->caseOrScene, "A case's folder, or a scene.toml in one")
-      ->required();
-  sub->add_option("--out", options->out, "Folder for tradeoff.csv, tradeoff.json, tradeoff.svg");
-  sub->add_flag("--full", options->full, "Five trajectories, the worst of each setting");
+  sub->add_option("CASE|SCENE", options->caseOrScene, "A case's folder, or a scene.toml in one");
+  sub->add_option("--shape", options->shape,
+                  "Instead of a case: sphere, plane, cylinder, wedge, torus, as voxels, against "
+                  "the closed form");
+  sub->add_option("--voxel", options->voxel_mm, "Of --shape, mm")
+      ->check(CLI::Range(0.2, 4.0))
+      ->capture_default_str();
+  sub->add_option("--session", options->sessions,
+                  "Recorded sessions of this scene, whose motions are measured as well")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--out", options->out,
+                  "Folder for tradeoff.csv, tradeoff.json, front and options as .svg and .png");
+  auto* quick = sub->add_flag("--quick", options->quick, "Seconds: what can be felt, few motions");
+  sub->add_flag("--full", options->full, "Four times as many motions and combinations")
+      ->excludes(quick);
   sub->add_flag("--choose", options->choose, "Choose the most accurate setting under the deadline");
   sub->add_option("--deadline", options->deadline, "Of a step: 1ms, 500us, 0.001s")
       ->capture_default_str();

@@ -14,8 +14,11 @@ palpate_library(desktop
     desktop_segment.cpp
     desktop_signals.cpp
     desktop_simulation.cpp
+    desktop_trade.cpp
     label_worker.cpp
     series_rows.cpp
+    trade_memo.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
     palpate::trade
   PRIVATE nlohmann_json::nlohmann_json)
+target_compile_definitions(palpate_desktop PRIVATE PALPATE_VERSION="${PROJECT_VERSION}")

@@ -5,7 +5,6 @@
 
 #include "app/desktop_loop.h"
 #include "core/devices/simulated_phantom.h"
-#include "core/trade/tradeoff.h"
 
 namespace palpate {
 
@@ -42,26 +41,6 @@ void Desktop::chooseDevice(std::size_t index) {
   simulation_.setDevice(model_.simulate.devices[index], hardware_[index]);
 }
 
-void Desktop::measureAccuracy() {
-  const auto scene = simulation_.shared();
-  if (!scene || jobs_.busy()) return;
-  stopRun();
-  jobs_.add("Measuring speed and accuracy", [this, scene](const Progress& progress) {
-    const auto points = sweepTrade(*scene, 1, progress);
-    return [this, scene, points] {
-      if (!points) return complain(points.error(), "The simulation is as it was.");
-      if (points->empty() || simulation_.shared() != scene) return;
-      const auto own = std::find_if(points->begin(), points->end(),
-                                    [](const TradePoint& p) { return p.name == "default"; });
-      const TradePoint& point = own == points->end() ? points->front() : *own;
-      char text[96];
-      std::snprintf(text, sizeof text, "\xc2\xb1%.2f mm  \xc2\xb1%.2f N", point.depthErrorP95_mm,
-                    point.forceErrorP95_N);
-      model_.simulate.accuracy = text;
-    };
-  });
-}
-
 void Desktop::startStop() {
   if (simulation_.running()) {
     stopRun();
@@ -72,6 +51,7 @@ void Desktop::startStop() {
          model_.simulate.notReady, ""});
     return;
   }
+  jobs_.dropIdle();  // what it measures would be times of a busy machine
   const Clock clock = options_.screenshot ? Clock::Virtual : Clock::Real;
   if (auto started = simulation_.start(clock, {}); !started) return complain(started.error());
   model_.task = model_.task == ui::Task::Review ? ui::Task::Simulate : model_.task;

@@ -54,6 +54,7 @@ void Desktop::showCase(OpenCase open) {
   simulation_.setScene(nullptr);
   review_.clear();
   sceneInstrument_.clear();
+  forgetTrade();
   open_ = std::move(open);
   workspace_->showVolume(*open_->volume);
   model_.openCase = describeCase(*open_);

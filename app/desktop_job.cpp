@@ -11,10 +11,25 @@ JobQueue::~JobQueue() {
 }
 
 void JobQueue::add(std::string title, Work work, bool cancellable) {
+  enqueue(std::move(title), std::move(work), cancellable, false);
+}
+
+void JobQueue::addIdle(std::string title, Work work) {
+  enqueue(std::move(title), std::move(work), true, true);
+}
+
+void JobQueue::dropIdle() {
+  std::erase_if(waiting_, [](const auto& job) { return job->idle; });
+  if (running_ && running_->idle) running_->cancel.cancel();
+}
+
+void JobQueue::enqueue(std::string title, Work work, bool cancellable, bool idle) {
+  dropIdle();
   auto job = std::make_unique<Job>();
   job->title = std::move(title);
   job->work = std::move(work);
   job->cancellable = cancellable;
+  job->idle = idle;
   waiting_.push_back(std::move(job));
   if (!running_) startNext();
 }

@@ -28,6 +28,9 @@ class JobQueue {
   JobQueue& operator=(const JobQueue&) = delete;
 
   void add(std::string title, Work work, bool cancellable = true);
+  /// As add(), but only while nothing else is wanted: any later job drops or cancels it.
+  void addIdle(std::string title, Work work);
+  void dropIdle();
   /// As add(); a job of the same title that waits is dropped, one that runs is cancelled.
   void addLatest(const std::string& title, Work work);
   /// Takes a finished job's completion and starts the next. True if a completion ran.
@@ -43,7 +46,7 @@ class JobQueue {
   struct Job {
     std::string title;
     Work work;
-    bool cancellable = true;
+    bool cancellable = true, idle = false;
     CancelToken cancel;
     Completion completion;
     std::chrono::steady_clock::time_point started;
@@ -53,6 +56,7 @@ class JobQueue {
     std::string what;
     std::jthread thread;  // last: joins before the rest goes
   };
+  void enqueue(std::string title, Work work, bool cancellable, bool idle);
   void startNext();
   std::unique_ptr<Job> running_;
   std::deque<std::unique_ptr<Job>> waiting_;

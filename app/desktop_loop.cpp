@@ -328,7 +328,8 @@ void Desktop::carryOutOne(const ui::Action& action) {
           },
           [this](const act::ChooseDevice& a) { chooseDevice(a.index); },
           [this](const act::ImportRepaired& a) { importRepaired(a.yes); },
-          [this](const act::MeasureAccuracy&) { measureAccuracy(); },
+          [this](const act::MeasureTrade&) { measureTrade(); },
+          [this](const act::ChooseTrade& a) { chooseTrade(a.name); },
           [this](const act::ChooseHand& a) { simulation_.setHand(a.hand); },
           [this](const act::Latch& a) {
             model_.simulate.latch = a.on;

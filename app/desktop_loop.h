@@ -19,6 +19,7 @@
 #include "app/desktop_review.h"
 #include "app/desktop_simulation.h"
 #include "app/label_worker.h"
+#include "app/trade_memo.h"
 #include "core/devices/device_list.h"
 #include "core/scene/material.h"
 #include "core/simulation/histogram.h"
@@ -102,6 +103,15 @@ class Desktop {
   void prepare();
   void takeScene(const std::shared_ptr<const PreparedScene>& scene);
 
+  // desktop_trade.cpp: speed against accuracy
+  void considerTrade(const std::shared_ptr<const PreparedScene>& scene);
+  void measureTrade();
+  void takeTrade(const TradeMemo& memo);
+  void chooseTrade(const std::string& name);
+  void applyTrade(const std::string& name);
+  void showTrade();
+  void forgetTrade();
+
   // desktop_actions.cpp: simulation and review
   void startStop();
   void record();
@@ -109,7 +119,6 @@ class Desktop {
   void chooseSession(std::size_t index);
   void refreshSessions();
   void stopRun();
-  void measureAccuracy();
   void lookForDevices();
   void chooseDevice(std::size_t index);
 
@@ -135,6 +144,10 @@ class Desktop {
   std::optional<ui::UiScript> script_;
   std::deque<float> forceTrace_;
   std::string sceneInstrument_;
+  SimulationSetting ownSetting_;  ///< Of the case's scene, whatever was chosen since.
+  std::string tradeKey_;          ///< What trade_ holds for.
+  std::optional<TradeMemo> trade_;
+  std::string appliedTrade_ = "default";  ///< The row whose setting the scene has.
   Histogram frames_;  ///< Of a soak: what a frame takes.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;

@@ -77,6 +77,7 @@ void Desktop::prepare() {
     complain(scene.error(), "The case's own scene is not used; the default is.");
     scene = defaultScene();
   }
+  ownSetting_ = scene->setting;
   if (!sceneInstrument_.empty()) scene->instrument = sceneInstrument_;
   const auto named = std::find_if(instruments_.begin(), instruments_.end(),
                                   [&](const auto& i) { return i.name == scene->instrument; });
@@ -84,6 +85,13 @@ void Desktop::prepare() {
   scene->instrument = instrument.name;
   for (std::size_t i = 0; i < instruments_.size(); ++i) {
     if (instruments_[i].name == instrument.name) model_.simulate.instrument = i;
+  }
+  // What was chosen stays, also for edited labels; another instrument may not have it.
+  const auto chosen = settingOfRow(appliedTrade_, ownSetting_, instrument);
+  if (chosen) {
+    scene->setting = *chosen;
+  } else {
+    appliedTrade_ = "default";
   }
   workspace_->showInstrument(instrument);
   jobs_.addLatest("Building the sphere tree",
@@ -103,6 +111,7 @@ void Desktop::prepare() {
                         return;
                       }
                       takeScene(*prepared);
+                      considerTrade(*prepared);
                       if (startAfterPrepare_) {
                         startAfterPrepare_ = false;
                         startStop();

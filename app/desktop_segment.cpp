@@ -90,7 +90,6 @@ void Desktop::takeLabels(const SharedLabels& state) {
     return std::none_of(model_.segment.labels.begin(), model_.segment.labels.end(),
                         [&entry](const ui::LabelRow& row) { return row.value == entry.first; });
   });
-  model_.simulate.accuracy.clear();
   if (some) return prepare();
   if (simulation_.running()) stopRun();
   simulation_.setScene(nullptr);

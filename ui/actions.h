@@ -46,7 +46,12 @@ struct ImportRepaired {
   bool yes;
 };
 /// Sweeps the settings and shows what the scene's own costs and errs.
-struct MeasureAccuracy {};
+/// Speed against accuracy, for the scene as it is.
+struct MeasureTrade {};
+/// One of TradeModel::rows.
+struct ChooseTrade {
+  std::string name;
+};
 struct CancelJob {};
 struct DismissMessage {
   std::size_t index;
@@ -138,7 +143,7 @@ namespace palpate::ui {
 using Action =
     std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
                  act::Import, act::ImportSeries, act::CloseSeriesList, act::KeepNames,
-                 act::ImportRepaired, act::MeasureAccuracy, act::CancelJob, act::DismissMessage,
+                 act::ImportRepaired, act::MeasureTrade, act::ChooseTrade, act::CancelJob, act::DismissMessage,
                  act::PreviewStep, act::DropPreview, act::ApplyStep, act::EditLabel, act::ShowLabel,
                  act::Undo, act::Redo, act::TouchIt, act::ChooseInstrument, act::ChooseDevice,
                  act::ChooseHand, act::Latch, act::StartStop, act::Record, act::ResetTool,

@@ -130,6 +130,19 @@ struct InstrumentRow {
 
 enum class HandKind : std::uint8_t { Mouse, Demo };
 
+/// A setting, what it errs and what it costs here; as promised for motions not measured.
+struct TradeRowModel {
+  std::string name;
+  double depth_mm = 0, force_N = 0, p99_us = 0, p999_us = 0;
+  bool onFront = false;
+};
+
+struct TradeModel {
+  std::vector<TradeRowModel> rows;  ///< The fastest first; empty: not measured.
+  std::size_t chosen = 0;
+  double limit_us = 500.0;  ///< What a step may take.
+};
+
 struct SimulateModel {
   std::vector<InstrumentRow> instruments;
   std::size_t instrument = 0;
@@ -150,7 +163,7 @@ struct SimulateModel {
   int loose = 0;              ///< Loose bodies of the scene.
   std::string tree, shell;    ///< "4 levels, 123 456 surface voxels", "1 204 points, 0.5 mm"
   SimulationSetting setting;
-  std::string accuracy;  ///< "±0.12 mm ±0.05 N"; empty: not measured for this scene.
+  TradeModel trade;
   bool realTime = false;
   std::string realTimeNote;
 };

@@ -166,13 +166,7 @@ void drawNumbers(const Painter& paint, const SimulateModel& simulate, const Snap
   if (slider(paint, "Impulses a step", iterations, 10, 500)) {
     paint.actions.push_back(act::SolverIterations{static_cast<std::uint32_t>(iterations)});
   }
-  keyValue(paint, "Error (95 of 100)",
-           simulate.accuracy.empty() ? std::string("not measured") : simulate.accuracy);
-  if (button(paint, icon::kCrosshair, "Measure", Emphasis::Normal, -1.0F, simulate.ready && !busy,
-             "Runs the same approach and slide over this setting and the most exact one, and "
-             "compares depth and force. Takes up to a few minutes.")) {
-    paint.actions.push_back(act::MeasureAccuracy{});
-  }
+  drawTrade(paint, simulate, busy);
   if (!simulate.realTimeNote.empty() && !simulate.realTime) sentence(paint, simulate.realTimeNote);
 }
 

@@ -37,6 +37,8 @@ void drawToolSettings(const Painter& paint, const Model& model, SegmentPanelStat
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);
 /// The part of the Simulate panel that chooses the device and says how it is.
 void drawDevice(const Painter& paint, const SimulateModel& simulate);
+/// The part of the Simulate panel where speed is traded for accuracy.
+void drawTrade(const Painter& paint, const SimulateModel& simulate, bool busy);
 void drawReviewPanel(const Painter& paint, const Model& model);
 
 /// "What to do next", where there is no case.

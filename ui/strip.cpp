@@ -6,6 +6,7 @@
 
 #include "core/geometry/units.h"
 #include "ui/format.h"
+#include "ui/trade_words.h"
 
 namespace palpate::ui {
 namespace {
@@ -40,7 +41,7 @@ std::vector<StripColumn> stripColumns(const Model& model, float left, float righ
   texts.push_back(timing("simulation", &Snapshot::stepTime));
   texts.push_back(timing("servo", &Snapshot::tickTime));
   texts.push_back("missed " + fixed(times ? static_cast<double>(s->ticksMissed) : kNone, 4, 0, ""));
-  texts.push_back(model.simulate.accuracy.empty() ? "error not measured" : model.simulate.accuracy);
+  texts.push_back(errorText(model.simulate.trade));
 
   std::vector<StripColumn> columns;
   float total = 0.0F;

@@ -1,210 +1,156 @@
 #include "core/trade/tradeoff.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <optional>
+#include <set>
 
-#include "core/geometry/units.h"
-#include "core/trade/pass.h"
-#include "core/trade/trajectory.h"
+#include "core/trade/bench.h"
+#include "core/trade/choice.h"
 
 namespace palpate {
 namespace {
 
-// Every 10th step is probed: a slide moves less than half a voxel in that time.
-constexpr std::size_t kProbeStride = 10;
+constexpr std::size_t kMatterMost = 5;  // options that are tried in pairs
 
-std::string format(const char* text, double value) {
-  std::array<char, 48> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), text, value);
-  return buffer.data();
-}
+/// What a hand can tell apart and a scene can declare: enough for a choice.
+const std::set<std::string> kQuick{"leaf", "perceptual", "shell", "iterations", "rate"};
+const std::set<std::string> kQuickNot{"iterations=5",      "iterations=1000",   "perceptual=0.25mm",
+                                      "perceptual=0.50mm", "perceptual=2.00mm", "rate=100Hz"};
 
-double spacingOf(const PreparedScene& base, const SimulationSetting& setting) {
-  return setting.shellSpacing > 0.0 ? setting.shellSpacing : base.instrument.shellSpacing;
-}
-
-TradePoint named(std::string name, const SimulationSetting& setting) {
-  TradePoint point;
-  point.name = std::move(name);
-  point.setting = setting;
-  return point;
-}
-
-/// The reference, the scene's own setting, and each single change of it.
-std::vector<TradePoint> candidates(const PreparedScene& base) {
-  const SimulationSetting own = base.scene.setting;
-  const double spacing = spacingOf(base, own);
-  std::vector<TradePoint> points;
-  SimulationSetting reference = own;
-  reference.tree = TreeOptions{own.tree.branching, LeafModel::Distance, false};
-  reference.query = QueryOptions{};
-  reference.query.method = QueryMethod::BruteForce;
-  reference.shellSpacing = 0.5 * spacing;
-  reference.contactCapacity = std::max<std::uint32_t>(own.contactCapacity, 100000);
-  points.push_back(named("reference", reference));
-  points.push_back(named("default", own));
-  const auto change = [&points, &own](std::string name, auto&& edit) {
-    SimulationSetting setting = own;
-    edit(setting);
-    points.push_back(named(std::move(name), setting));
+Progress part(const Progress& whole, double from, double to) {
+  Progress progress;
+  progress.cancel = whole.cancel;
+  progress.report = [&whole, from, to](double fraction, const std::string& what) {
+    whole(from + (to - from) * fraction, what);
   };
-  for (const Branching branching :
-       {Branching::Children8, Branching::Children64, Branching::Children512}) {
-    if (branching == own.tree.branching) continue;
-    change("branching=" + std::to_string(static_cast<int>(branching)),
-           [branching](SimulationSetting& s) { s.tree.branching = branching; });
-  }
-  const bool distance = own.tree.leaf == LeafModel::Distance;
-  change(distance ? "leaf=voxel" : "leaf=distance", [distance](SimulationSetting& s) {
-    s.tree.leaf = distance ? LeafModel::Voxel : LeafModel::Distance;
-  });
-  for (const double factor : {2.0, 4.0}) {
-    change(format("shell=%.2fmm", millimetres(factor * spacing)),
-           [&](SimulationSetting& s) { s.shellSpacing = factor * spacing; });
-  }
-  change(own.query.tightSpheres ? "tight-spheres=off" : "tight-spheres=on",
-         [](SimulationSetting& s) { s.query.tightSpheres = !s.query.tightSpheres; });
-  change(own.query.oneChildSkip ? "one-child-skip=off" : "one-child-skip=on",
-         [](SimulationSetting& s) { s.query.oneChildSkip = !s.query.oneChildSkip; });
-  change(own.query.sideOffset ? "side-offset=off" : "side-offset=on",
-         [](SimulationSetting& s) { s.query.sideOffset = !s.query.sideOffset; });
-  change("method=paper", [](SimulationSetting& s) { s.query.method = QueryMethod::Paper; });
-  change("stop-level=1", [](SimulationSetting& s) { s.query.stopLevel = 1; });
-  change("surface-only", [](SimulationSetting& s) { s.tree.surfaceOnly = true; });
-  return points;
+  return progress;
 }
 
-bool sameTree(const TreeOptions& a, const TreeOptions& b) {
-  return a.branching == b.branching && a.leaf == b.leaf && a.surfaceOnly == b.surfaceOnly;
+/// How much a change matters: felt force in units of what a hand can tell, and tests in octaves.
+/// Counts, not times: the same on every machine.
+double effectOf(const TradePoint& point, const TradePoint& own) {
+  constexpr double kTold_N = 0.05;
+  const double force = std::abs(point.errors.force_N.p95 - own.errors.force_N.p95) / kTold_N;
+  const double tests = std::log2((point.cost.testsP99 + 1.0) / (own.cost.testsP99 + 1.0));
+  return force + std::abs(tests);
 }
 
-/// The base at another setting. Trees that the sweep has built are used again.
-class Variants {
- public:
-  explicit Variants(const PreparedScene& base) : base_(base) {
-    const auto values = feltValues();
-    trees_.push_back(base.tree);
-    felt_.assign(values.begin(), values.end());
-  }
-
-  Result<std::shared_ptr<const PreparedScene>> at(const SimulationSetting& setting) {
-    auto variant = std::make_shared<PreparedScene>(base_);
-    variant->scene.setting = setting;
-    auto tree = treeOf(setting.tree);
-    if (!tree) return fail(tree.error());
-    variant->tree = *tree;
-    auto shell = PointShell::fromMesh(base_.instrument.mesh_T, spacingOf(base_, setting));
-    if (!shell) return fail(shell.error());
-    variant->shell = std::make_shared<const PointShell>(std::move(*shell));
-    return std::shared_ptr<const PreparedScene>(std::move(variant));
-  }
-
- private:
-  [[nodiscard]] std::vector<std::uint8_t> feltValues() const {
-    std::vector<std::uint8_t> values;
-    for (const auto& name : base_.scene.labels) {
-      for (const auto& label : base_.table) {
-        if (label.name == name) values.push_back(label.value);
-      }
+/// Of the options that matter most, the value that matters most.
+std::vector<NamedSetting> strongest(const std::vector<NamedSetting>& singles,
+                                    const std::vector<TradePoint>& points) {
+  const auto own = std::find_if(points.begin(), points.end(),
+                                [](const TradePoint& p) { return p.name == "default"; });
+  std::vector<std::pair<double, const NamedSetting*>> best;  // an option
+  for (const NamedSetting& single : singles) {
+    const auto point = std::find_if(points.begin(), points.end(),
+                                    [&](const TradePoint& p) { return p.name == single.name; });
+    if (single.option.empty() || single.option == "precision" || point == points.end()) continue;
+    const double effect = effectOf(*point, *own);
+    const auto same = std::find_if(best.begin(), best.end(), [&](const auto& other) {
+      return other.second->option == single.option;
+    });
+    if (same == best.end()) {
+      best.emplace_back(effect, &single);
+    } else if (effect > same->first) {
+      *same = {effect, &single};
     }
-    return values;  // none: all, as the tree's builder takes it
   }
-  Result<std::shared_ptr<const VoxelTree>> treeOf(const TreeOptions& options) {
-    for (const auto& tree : trees_) {
-      if (sameTree(tree->options(), options)) return tree;
-    }
-    auto built = VoxelTree::build(*base_.labels, felt_, options);
-    if (!built) return fail(built.error());
-    trees_.push_back(std::make_shared<const VoxelTree>(std::move(*built)));
-    return trees_.back();
+  std::stable_sort(best.begin(), best.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<NamedSetting> chosen;
+  for (std::size_t i = 0; i < std::min(kMatterMost, best.size()); ++i) {
+    chosen.push_back(*best[i].second);
   }
-
-  const PreparedScene& base_;
-  std::vector<std::uint8_t> felt_;
-  std::vector<std::shared_ptr<const VoxelTree>> trees_;
-};
-
-std::size_t bytesOf(const PreparedScene& scene) {
-  const TreeStats& stats = scene.tree->stats();
-  return stats.topologyBytes + stats.payloadBytes +
-         scene.shell->size() * 2 * sizeof(Eigen::Vector3d);
+  return chosen;
 }
 
-/// Nobody else is at least as good in error, time and memory, and better in one of them.
-void markFront(std::vector<TradePoint>& points) {
-  const auto beats = [](const TradePoint& a, const TradePoint& b) {
-    const bool noWorse = a.forceErrorP95_N <= b.forceErrorP95_N && a.stepP999_us <= b.stepP999_us &&
-                         a.bytes <= b.bytes;
-    return noWorse && (a.forceErrorP95_N < b.forceErrorP95_N || a.stepP999_us < b.stepP999_us ||
-                       a.bytes < b.bytes);
-  };
-  for (auto& point : points) {
-    point.onFront = std::none_of(points.begin(), points.end(),
-                                 [&](const TradePoint& other) { return beats(other, point); });
+std::vector<Growth> growthOf(const std::vector<TradePoint>& points, Bench& bench) {
+  std::vector<double> resolution, shell, tests[2], time[2], bytes, build;
+  for (const TradePoint& point : points) {
+    const bool own = point.name == "default";
+    if (own || point.option == "voxels") {
+      resolution.push_back(1.0 / point.setting.coarsening);
+      tests[0].push_back(point.cost.testsP99);
+      time[0].push_back(point.cost.p99_us);
+      bytes.push_back(static_cast<double>(point.cost.bytes));
+      build.push_back(point.cost.build_ms);
+    }
+    if (own || point.option == "shell") {
+      shell.push_back(static_cast<double>(point.cost.shellPoints));
+      tests[1].push_back(point.cost.testsP99);
+      time[1].push_back(point.cost.p99_us);
+    }
   }
+  const Bench::Queries queries = bench.queries();
+  return {fitGrowth("p99 of a step", "voxels a side", resolution, time[0]),
+          fitGrowth("tests at p99", "voxels a side", resolution, tests[0]),
+          fitGrowth("bytes", "voxels a side", resolution, bytes),
+          fitGrowth("build", "voxels a side", resolution, build),
+          fitGrowth("p99 of a step", "shell points", shell, time[1]),
+          fitGrowth("tests at p99", "shell points", shell, tests[1]),
+          fitGrowth("time of a query", "contacts", queries.contacts, queries.micros),
+          fitGrowth("tests of a query", "contacts", queries.contacts, queries.tests)};
+}
+
+Result<void> measureAll(Bench& bench, const std::vector<NamedSetting>& settings,
+                        const Progress& progress, std::vector<TradePoint>& points) {
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    progress(static_cast<double>(i) / static_cast<double>(settings.size()),
+             "Measuring " + settings[i].name);
+    auto point = bench.measure(settings[i], progress);
+    if (!point) return fail(point.error());
+    points.push_back(std::move(*point));
+  }
+  return {};
 }
 
 }  // namespace
 
-Result<std::vector<TradePoint>> sweepTrade(const PreparedScene& base, std::uint64_t seed,
-                                           const Progress& progress) {
-  auto points = candidates(base);
-  Variants variants(base);
-  const auto samples = approachAndSlide(base, seed);
-  const double referenceSpacing = spacingOf(base, points.front().setting);
-  std::optional<Pass> reference;
-  std::vector<Eigen::Isometry3d> probes;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (progress.cancelled()) return fail(cancelled());
-    progress(static_cast<double>(i) / static_cast<double>(points.size()),
-             "Measuring " + points[i].name);
-    const auto variant = variants.at(points[i].setting);
-    if (!variant) return fail(variant.error());
-    Pass pass = runPass(*variant, samples);
-    if (!reference) probes = probingPoses(pass, samples, kProbeStride);
-    probe(**variant, probes, pass);
-    if (!reference) reference = pass;
-    measure(pass, *reference, spacingOf(base, points[i].setting), referenceSpacing, points[i]);
-    points[i].bytes = bytesOf(**variant);
+Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& request,
+                              const Progress& progress) {
+  auto bench = Bench::create(base, request, part(progress, 0.0, 0.15));
+  if (!bench) return fail(bench.error());
+  const SimulationSetting& own = base.scene.setting;
+  auto options = optionsAround(own, bench->variants().spacingOf(own));
+  const bool quick = request.effort == TradeEffort::Quick;
+  if (quick) std::erase_if(options, [](const auto& option) { return !kQuick.contains(option.name); });
+
+  TradeSweep sweep;
+  sweep.seed = request.seed;
+  sweep.reference = request.shape
+                        ? std::string("the closed form of the ") + nameOf(*request.shape)
+                        : "the labels' own resolution, searched by brute force";
+  sweep.reference += ", in double precision, with a shell of half the spacing";
+  sweep.trajectories = bench->names();
+  sweep.points.push_back(bench->reference());
+  auto singles = singleChanges(own, options);
+  if (quick) {
+    std::erase_if(singles, [](const NamedSetting& s) { return kQuickNot.contains(s.name); });
   }
-  markFront(points);
+  const double end = quick ? 1.0 : 0.4;
+  if (auto done = measureAll(*bench, singles, part(progress, 0.15, end), sweep.points); !done) {
+    return fail(done.error());
+  }
+  if (!quick) {
+    auto more = pairedChanges(own, options, strongest(singles, sweep.points));
+    const std::size_t count = request.effort == TradeEffort::Full ? 200 : 50;
+    const auto random = randomChanges(own, options, count, request.seed);
+    more.insert(more.end(), random.begin(), random.end());
+    if (auto done = measureAll(*bench, more, part(progress, end, 0.98), sweep.points); !done) {
+      return fail(done.error());
+    }
+    sweep.growth = growthOf(sweep.points, *bench);
+  }
+  markFront(sweep.points);
   progress(1.0, "Measured");
-  return points;
+  return sweep;
 }
 
-Result<TradePoint> chooseSetting(const std::vector<TradePoint>& points, double deadline_s,
-                                 double headroom) {
-  if (!(deadline_s > 0.0) || !std::isfinite(deadline_s)) {
-    return fail(usageError("A deadline is a time above zero.").inField("deadline"));
-  }
-  if (!(headroom > 0.0 && headroom <= 1.0)) {
-    return fail(usageError("The headroom is the share of the deadline that a step may use.")
-                    .inField("headroom")
-                    .wants("above 0, at most 1"));
-  }
-  const double most_us = headroom * deadline_s * 1e6;
-  const TradePoint* best = nullptr;
-  const TradePoint* fastest = nullptr;
-  for (const auto& point : points) {
-    if (fastest == nullptr || point.stepP999_us < fastest->stepP999_us) fastest = &point;
-    if (point.stepP999_us > most_us) continue;
-    const bool better =
-        best == nullptr || point.forceErrorP95_N < best->forceErrorP95_N ||
-        (point.forceErrorP95_N == best->forceErrorP95_N && point.stepP999_us < best->stepP999_us);
-    if (better) best = &point;
-  }
-  if (best != nullptr) return *best;
-  Error error = checkFailed("No measured setting fits the deadline.")
-                    .inField("deadline")
-                    .wants(format("a step of at most %.1f us at p99.9", most_us))
-                    .advise("Allow a longer deadline, or a coarser instrument shell.");
-  if (fastest != nullptr) {
-    error.butFound(format("%.1f us, with ", fastest->stepP999_us) + fastest->name);
-  }
-  return fail(std::move(error));
+Result<TradePoint> measureSetting(const PreparedScene& base, const TradeRequest& request,
+                                  const NamedSetting& setting, const Progress& progress) {
+  auto bench = Bench::create(base, request, part(progress, 0.0, 0.5));
+  if (!bench) return fail(bench.error());
+  return bench->measure(setting, part(progress, 0.5, 1.0));
 }
 
 }  // namespace palpate

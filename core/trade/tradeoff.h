@@ -1,37 +1,81 @@
 #pragma once
-/// The trade between speed and accuracy: a sweep over settings, the front, the choice.
+/// The trade between speed and accuracy: every setting measured over the same motions.
+///
+/// Errors are against a reference that shares no code with what is judged (reference_shape.h,
+/// reference_loop.h): the closed form where the anatomy is a known shape, else the labels' own
+/// resolution in double precision, with a shell of half the spacing. Same scene, seed and build:
+/// the same errors and counts to the last bit, whatever the number of threads. Times are this
+/// machine's, now. Loose bodies are left out. Any thread, nothing here is real-time safe.
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/haptics/device.h"
 #include "core/simulation/prepared_scene.h"
+#include "core/trade/errors.h"
+#include "core/trade/growth.h"
+#include "core/trade/options.h"
+#include "core/trade/reference_shape.h"
 
 namespace palpate {
 
-/// One setting and what it cost and erred, over the same trajectory as the reference
-/// (brute force over every point, distance leaves, finest shell).
-struct TradePoint {
-  std::string name;  ///< "default", "branching=8", "shell=1.0mm", ...
-  SimulationSetting setting;
-  double depthErrorP95_mm = 0, normalErrorP95_deg = 0, forceErrorP95_N = 0;
-  std::uint64_t contactsMissed = 0, contactsExtra = 0;
-  double stepP50_us = 0, stepP99_us = 0, stepP999_us = 0;
-  std::size_t bytes = 0;
-  bool onFront = false;
+/// How much is tried: `Quick` takes seconds (a dozen settings that differ; few motions),
+/// `Whole` minutes (single changes, pairs of the five options that matter most, 50 random
+/// combinations; 50 random approaches), `Full` four times as many of both.
+enum class TradeEffort : std::uint8_t { Quick, Whole, Full };
+
+struct TradeRequest {
+  std::uint64_t seed = 1;
+  TradeEffort effort = TradeEffort::Whole;
+  DeviceInfo device;                    ///< Its coupling.
+  std::optional<KnownShape> shape;      ///< The scene's labels are voxelsOf() this.
+  std::vector<Trajectory> recorded;     ///< Motions of sessions, besides the made ones.
 };
 
-/// Runs a recorded approach-and-slide trajectory over each setting. Deterministic but for times.
-[[nodiscard]] Result<std::vector<TradePoint>> sweepTrade(const PreparedScene& base,
-                                                         std::uint64_t seed,
-                                                         const Progress& progress = {});
+struct TradeCost {
+  double p50_us = 0, p99_us = 0, p999_us = 0, worst_us = 0;  ///< Of a step.
+  double testsP50 = 0, testsP99 = 0;                         ///< Sphere and leaf tests a step.
+  std::size_t shellPoints = 0, bytes = 0;
+  double build_ms = 0;  ///< Of the tree.
+};
 
-/// The setting of lowest p95 force error whose p99.9 fits headroom · deadline; refuses if none
-/// fits.
-[[nodiscard]] Result<TradePoint> chooseSetting(const std::vector<TradePoint>& points,
-                                               double deadline_s, double headroom);
+/// What holds within a tenth over other motions of the same kind, 19 times in 20 (promise.h).
+struct TradePromise {
+  double force_N = 0, depth_mm = 0;  ///< p95 of the errors.
+  double p999_us = 0;                ///< Of a step.
+};
+
+struct TradePoint {
+  std::string name;           ///< "reference", "default", "branching=8", "shell=1.00mm leaf=voxel"
+  std::string option, value;  ///< Of a single change; else empty.
+  TradeSetting setting;
+  TradeErrors errors;
+  TradeCost cost;
+  TradePromise promise;
+  bool onFront = false;
+  bool offered = true;  ///< A scene can declare it. The reference, for one, it cannot.
+};
+
+struct TradeSweep {
+  std::uint64_t seed = 1;
+  std::string reference;                  ///< What the reference is, in words.
+  std::vector<std::string> trajectories;  ///< Names.
+  std::vector<TradePoint> points;         ///< The reference first, then the default.
+  std::vector<Growth> growth;
+};
+
+[[nodiscard]] Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& request,
+                                            const Progress& progress = {});
+
+/// One setting over other motions of the same kind: what a promise is checked with.
+[[nodiscard]] Result<TradePoint> measureSetting(const PreparedScene& base,
+                                                const TradeRequest& request,
+                                                const NamedSetting& setting,
+                                                const Progress& progress = {});
 
 }  // namespace palpate

@@ -2,31 +2,70 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "core/geometry/pose.h"
+#include "core/simulation/approach.h"
+#include "core/session/replay.h"
+#include "core/simulation/fingerprint.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kApproach_s = 1.0, kSlide_s = 2.0;
-constexpr double kAbove = 10e-3, kBelow = 1.5e-3, kReach = 8e-3;
 constexpr double kPi = std::numbers::pi;
 constexpr double kServoPeriod = 1e-3;
+constexpr double kAbove = 10e-3, kBelow = 1.5e-3, kReach = 8e-3;
+constexpr double kApproach_s = 1.0, kRest_s = 0.3;
+// Many short slides tell more of other motions than a long one.
+constexpr double kDown_s = 0.5, kSlide_s = 1.0;
 
-/// Where the tip is in D after t seconds.
-Eigen::Vector3d tip_D(double t, double heading, double rate) {
-  const double down = std::min(t / kApproach_s, 1.0);
-  // Half a cosine: at rest at both ends, so that arriving makes no jump of velocity.
-  const double eased = 0.5 - 0.5 * std::cos(kPi * down);
-  const double y = kAbove - (kAbove + kBelow) * eased;
-  // Sums of (1 - cos): the slide, too, begins at rest.
-  const double slide = std::max(t - kApproach_s, 0.0);
-  const double along = 0.5 * kReach * (1.0 - std::cos(2.0 * kPi * rate * slide));
-  const double across = 0.25 * kReach * (1.0 - std::cos(4.0 * kPi * rate * slide));
-  return {along * std::cos(heading) - across * std::sin(heading), y,
-          along * std::sin(heading) + across * std::cos(heading)};
+/// A pose in time, W.
+using Path = std::function<Eigen::Isometry3d(double t)>;
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  /// 0 to 1, without 1. The library's distributions differ between libraries.
+  double uniform() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }
+  Eigen::Vector3d direction() {
+    const double z = 2.0 * uniform() - 1.0, turn = 2.0 * kPi * uniform();
+    const double r = std::sqrt(std::max(1.0 - z * z, 0.0));
+    return {r * std::cos(turn), r * std::sin(turn), z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+std::vector<DeviceSample> sampled(const Path& path, double seconds) {
+  const auto count = static_cast<std::uint64_t>(std::llround(seconds / kServoPeriod));
+  std::vector<DeviceSample> samples(count);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    DeviceSample& sample = samples[i];
+    sample.index = i;
+    sample.t = static_cast<double>(i) * kServoPeriod;
+    const double before = std::max(sample.t - 0.5 * kServoPeriod, 0.0);
+    const double after = sample.t + 0.5 * kServoPeriod;
+    const Eigen::Isometry3d at = path(sample.t), from = path(before), to = path(after);
+    sample.pose = plain(at.translation(), Eigen::Quaterniond(at.linear()).normalized());
+    const Eigen::Vector3d v = (to.translation() - from.translation()) / (after - before);
+    const Eigen::Vector3d w =
+        logMap(Eigen::Quaterniond(to.linear()) * Eigen::Quaterniond(from.linear()).conjugate()) /
+        (after - before);
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.v[axis] = v[axis];
+      sample.w[axis] = w[axis];
+    }
+  }
+  return samples;
+}
+
+/// From 0 to 1 and at rest at both ends, so that neither makes a jump of velocity.
+double eased(double part) {
+  return 0.5 - 0.5 * std::cos(kPi * std::clamp(part, 0.0, 1.0));
 }
 
 /// Tip first, as the built-in hand holds it: the shaft along +y of D, tilted 30 degrees to +z.
@@ -34,31 +73,178 @@ Eigen::Quaterniond grip_D() {
   return Eigen::Quaterniond(Eigen::AngleAxisd(-kPi / 3.0, Eigen::Vector3d::UnitX()));
 }
 
+Path overTheDevice(const PreparedScene& scene, double down_s, double heading, double rate) {
+  const Eigen::Isometry3d X_WD = scene.X_WD;
+  return [X_WD, down_s, heading, rate](double t) {
+    const double y = kAbove - (kAbove + kBelow) * eased(t / down_s);
+    // Sums of (1 - cos): the slide, too, begins at rest.
+    const double slide = std::max(t - down_s, 0.0);
+    const double along = 0.5 * kReach * (1.0 - std::cos(2.0 * kPi * rate * slide));
+    const double across = 0.25 * kReach * (1.0 - std::cos(4.0 * kPi * rate * slide));
+    Eigen::Isometry3d X_DT(grip_D());
+    X_DT.translation() = Eigen::Vector3d(along * std::cos(heading) - across * std::sin(heading), y,
+                                         along * std::sin(heading) + across * std::cos(heading));
+    return Eigen::Isometry3d(X_WD * X_DT);
+  };
+}
+
+/// Where a ray from outside first meets the surface.
+std::optional<Eigen::Vector3d> firstTouch(ReferenceShape& shape, const Surround& surround,
+                                          const Eigen::Vector3d& direction,
+                                          const Eigen::Vector3d& towards) {
+  constexpr double kLeastStep = 0.1e-3, kFarStep = 1e-3;
+  const double from = surround.radius + kAbove;
+  for (double s = from; s > -surround.radius;) {
+    const Eigen::Vector3d p = towards + s * direction;
+    const double d = shape.distance(p);
+    if (d < 0.0) return p;
+    s -= std::isfinite(d) ? std::max(kLeastStep, 0.5 * d) : kFarStep;
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> directionOf(Random& random, const Surround& surround) {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    const Eigen::Vector3d direction = random.direction();
+    if (direction.dot(surround.up_W) >= surround.leastCosine) return direction;
+  }
+  return std::nullopt;
+}
+
+/// +z of T, the shaft, along `out`; the rest is turned by `roll`.
+Eigen::Isometry3d tipFirst(const Eigen::Vector3d& tip, const Eigen::Vector3d& out, double roll) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.linear() = (Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), out) *
+                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+                   .toRotationMatrix();
+  X.translation() = tip;
+  return X;
+}
+
+/// Of 26 directions, how many meet anatomy within 8 mm of a place just outside the surface.
+int enclosure(ReferenceShape& shape, const Eigen::Vector3d& p) {
+  int met = 0;
+  for (int code = 0; code < 27; ++code) {
+    const Eigen::Vector3d d(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+    if (d.isZero()) continue;
+    bool hit = false;
+    for (double s = 1e-3; s <= 8e-3 && !hit; s += 1e-3) hit = shape.distance(p + s * d.normalized()) < 0.0;
+    met += hit ? 1 : 0;
+  }
+  return met;
+}
+
 }  // namespace
 
-std::vector<DeviceSample> approachAndSlide(const PreparedScene& scene, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
-  const double heading = 2.0 * kPi * uniform();
-  const double rate = 0.8 + 0.4 * uniform();
-  const double h = scene.scene.setting.stepPeriod;
-  const auto ticksPerStep = static_cast<std::uint64_t>(std::llround(h / kServoPeriod));
-  const auto steps = static_cast<std::uint64_t>(std::llround((kApproach_s + kSlide_s) / h));
-  const Eigen::Quaterniond q_WD(scene.X_WD.linear());
-  std::vector<DeviceSample> samples(steps);
-  for (std::uint64_t i = 0; i < steps; ++i) {
-    DeviceSample& sample = samples[i];
-    sample.index = i * ticksPerStep;
-    sample.t = static_cast<double>(i) * h;
-    const Eigen::Vector3d p = tip_D(sample.t, heading, rate);
-    const Eigen::Vector3d v = (tip_D(sample.t + 0.5 * h, heading, rate) -
-                               tip_D(std::max(sample.t - 0.5 * h, 0.0), heading, rate)) /
-                              h;
-    sample.pose = plain(scene.X_WD * p, (q_WD * grip_D()).normalized());
-    const Eigen::Vector3d v_W = q_WD * v;
-    for (int axis = 0; axis < 3; ++axis) sample.v[axis] = v_W[axis];
+Surround surroundOf(const PreparedScene& scene) {
+  const LabelGrid& grid = *scene.labels;
+  const FeltLabels felt = feltLabelsOf(scene);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  Eigen::AlignedBox3d box;
+  std::size_t index = 0;
+  for (std::int32_t k = 0; k < grid.geometry.dims[2]; ++k) {
+    for (std::int32_t j = 0; j < grid.geometry.dims[1]; ++j) {
+      for (std::int32_t i = 0; i < grid.geometry.dims[0]; ++i) {
+        if (!felt[grid.labels[index++]]) continue;
+        const Eigen::Vector3d p_V = grid.geometry.centre_V(i, j, k);
+        sum += p_V;
+        count += 1.0;
+        box.extend(p_V);
+      }
+    }
   }
-  return samples;
+  Surround surround;
+  if (count == 0.0) return surround;
+  surround.centre_W = scene.X_WV * (sum / count);
+  surround.radius = 0.5 * box.diagonal().norm() + (sum / count - box.center()).norm();
+  surround.up_W = scene.X_WD.linear().col(1);
+  return surround;
+}
+
+Trajectory approachPath(const PreparedScene& scene) {
+  Trajectory path{"approach", {}, 0, true};
+  // The slide's sums stand still where the rate is zero.
+  path.samples = sampled(overTheDevice(scene, kApproach_s, 0.0, 0.0), kApproach_s + kRest_s);
+  path.restFrom = static_cast<std::size_t>(std::llround(kApproach_s / kServoPeriod));
+  return path;
+}
+
+Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
+  Random random(seed);
+  const double heading = 2.0 * kPi * random.uniform();
+  const double rate = 0.8 + 0.4 * random.uniform();
+  Trajectory path{"slide", sampled(overTheDevice(scene, kDown_s, heading, rate), kDown_s + kSlide_s), 0,
+                  true};
+  path.restFrom = path.samples.size();
+  return path;
+}
+
+Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
+  constexpr int kRays = 200;
+  constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.6, kIn_s = 0.4;
+  Random random(seed);
+  int most = -1;
+  Eigen::Vector3d site, out;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const auto direction = directionOf(random, surround);
+    if (!direction) break;
+    const Eigen::Vector3d aside = 0.4 * surround.radius * random.uniform() * random.direction();
+    const auto touch = firstTouch(shape, surround, *direction, surround.centre_W + aside);
+    if (!touch) continue;
+    const int met = enclosure(shape, *touch + 1e-3 * *direction);
+    if (met <= most) continue;
+    most = met;
+    site = *touch;
+    out = *direction;
+  }
+  Trajectory path{"cavity", {}, 0, true};
+  if (most < 0) return path;
+  const Eigen::Vector3d u = out.unitOrthogonal(), v = out.cross(u);
+  path.samples = sampled(
+      [=](double t) {
+        const double height = kReach - (kReach + kBelow) * eased(t / kIn_s);
+        const double turn = 2.0 * kPi * eased((t - kIn_s) / kRound_s);
+        const Eigen::Vector3d around = kRound * (std::sin(turn) * u + (1.0 - std::cos(turn)) * v);
+        const Eigen::Vector3d leaning =
+            Eigen::AngleAxisd(kTilt * std::sin(turn), u) * out;
+        return tipFirst(site + height * out + around, leaning, 0.0);
+      },
+      kIn_s + kRound_s);
+  path.restFrom = path.samples.size();
+  return path;
+}
+
+Trajectory randomPath(ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
+  constexpr double kSpeed = 50e-3, kStill_s = 0.1;
+  Random random(seed);
+  Trajectory path{"random " + std::to_string(seed), {}, 0, false};
+  const auto direction = directionOf(random, surround);
+  const double roll = 2.0 * kPi * random.uniform();
+  const auto touch =
+      direction ? firstTouch(shape, surround, *direction, surround.centre_W) : std::nullopt;
+  if (!touch) return path;
+  const double moving_s = (kReach + kBelow) / kSpeed;
+  path.samples = sampled(
+      [&](double t) {
+        const double height = kReach - kSpeed * std::min(t, moving_s);
+        return tipFirst(*touch + height * *direction, *direction, roll);
+      },
+      moving_s + kStill_s);
+  path.restFrom = static_cast<std::size_t>(std::ceil(moving_s / kServoPeriod));
+  return path;
+}
+
+Result<Trajectory> sessionPath(const std::filesystem::path& file) {
+  const auto recorded = readSamples(file);
+  if (!recorded) return fail(recorded.error());
+  Trajectory path{file.stem().string(), {}, 0, false};
+  for (const ServoSample& sample : *recorded) {
+    path.samples.push_back(sample.device);
+    path.samples.back().index = path.samples.size() - 1;  // from 0, however late it was begun
+  }
+  path.restFrom = path.samples.size();
+  return path;
 }
 
 }  // namespace palpate

@@ -12,7 +12,9 @@
 #include "app/run_sinks.h"
 #include "app/setting_report.h"
 #include "app/text_table.h"
-#include "app/tradeoff_files.h"
+#include "app/svg_picture.h"
+#include "app/trade_plots.h"
+#include "app/trade_report.h"
 #include "app/wakeup_jitter.h"
 #include "tests/app/program_run.h"
 
@@ -137,44 +139,93 @@ TEST(Jitter, AMissedPeriodIsCountedOnceAPeriod) {
   EXPECT_EQ(summariseLateness({}).wakeups, 0U);
 }
 
-TradeoffResult threePoints() {
-  TradeoffResult result;
+TradeReport threePoints() {
+  TradeReport report;
   for (int i = 0; i < 3; ++i) {
     TradePoint point;
     point.name = std::array{"p0", "a<b & \"c\"", "p2"}[static_cast<std::size_t>(i)];
-    point.forceErrorP95_N = 0.1 * i;
-    point.stepP999_us = 300.0 / (i + 1);
+    if (i == 1) point.option.push_back('a');
+    point.errors.force_N.p95 = 0.1 * i;
+    point.cost.p99_us = 300.0 / (i + 1);
+    point.promise = {0.1 * i, 0.0, 300.0};
     point.onFront = i != 1;
-    result.points.push_back(point);
+    report.sweep.points.push_back(point);
   }
-  result.chosen = result.points[2];
-  return result;
+  report.sweep.points[0].name = "default";
+  report.sweep.growth.push_back(fitGrowth("time", "contacts", {1, 2}, {1, 4}));
+  report.chosen = report.sweep.points[2];
+  report.checked = report.chosen;
+  return report;
 }
 
-TEST(TradeoffFiles, FrontIsSortedByTime) {
-  const auto json = tradeoffJson(threePoints());
+TEST(TradeReport, FrontIsSortedByTime) {
+  const auto json = tradeJson(threePoints());
   ASSERT_EQ(json["front"].size(), 2U);
   EXPECT_EQ(json["front"][0]["name"], "p2");
-  EXPECT_EQ(json["front"][1]["name"], "p0");
+  EXPECT_EQ(json["front"][1]["name"], "default");
   EXPECT_EQ(json["points"].size(), 3U);
   EXPECT_EQ(json["chosen"]["name"], "p2");
+  EXPECT_EQ(json["chosen"]["checked"]["held"], true);
+  EXPECT_EQ(json["growth"][0]["exponent"], 2.0);
+  EXPECT_TRUE(json["growth"][0]["confidence_95"][0].is_null());  // two points tell nothing
 }
 
-TEST(TradeoffFiles, ThePictureIsWellFormed) {
-  pugi::xml_document document;
-  const std::string svg = tradeoffSvg(threePoints());
-  ASSERT_TRUE(document.load_string(svg.c_str())) << svg;
-  int circles = 0;
-  for (const auto& node : document.child("svg").children("circle")) {
-    const double x = node.attribute("cx").as_double(), y = node.attribute("cy").as_double();
-    EXPECT_TRUE(x >= 0 && x <= 800 && y >= 0 && y <= 480) << x << " " << y;
-    ++circles;
+TEST(TradeReport, APromiseIsHeldWithinATenth) {
+  TradePoint chosen, checked;
+  chosen.promise = {0.2, 0.1, 50.0};
+  checked.errors.force_N.p95 = 0.221;
+  checked.cost.p999_us = 54.0;
+  EXPECT_TRUE(promiseHeld(chosen, checked));
+  checked.errors.force_N.p95 = 0.223;
+  EXPECT_FALSE(promiseHeld(chosen, checked));
+  checked.errors.force_N.p95 = 0.1;
+  checked.cost.p999_us = 56.0;
+  EXPECT_FALSE(promiseHeld(chosen, checked));
+  EXPECT_THAT(tradeText(threePoints()), testing::HasSubstr("the promise holds within 10 %"));
+}
+
+TEST(TradeReport, ThePicturesAreWellFormedAndBecomePng) {
+  for (const std::string& svg : {frontSvg(threePoints()), optionsSvg(threePoints())}) {
+    pugi::xml_document document;
+    ASSERT_TRUE(document.load_string(svg.c_str())) << svg;
+    const double width = document.child("svg").attribute("width").as_double();
+    const double height = document.child("svg").attribute("height").as_double();
+    for (const auto& node : document.child("svg").children()) {
+      for (const char* name : {"cx", "x", "x1", "x2"}) {
+        const double x = node.attribute(name).as_double();
+        EXPECT_TRUE(x >= 0 && x <= width) << name << " " << x;
+      }
+      for (const char* name : {"cy", "y", "y1", "y2"}) {
+        const double y = node.attribute(name).as_double();
+        EXPECT_TRUE(y >= 0 && y <= height) << name << " " << y;
+      }
+    }
+    const auto png = pngOfSvg(svg);
+    ASSERT_TRUE(png) << sentence(png.error());
+    EXPECT_EQ(png->substr(1, 3), "PNG");
+    EXPECT_GT(png->size(), 1000U);
   }
-  EXPECT_EQ(circles, 3);
+  EXPECT_FALSE(pngOfSvg("<svg"));
 }
 
-TEST(TradeoffFiles, CsvQuotesNames) {
-  EXPECT_THAT(tradeoffCsv(threePoints()), testing::HasSubstr("\"a<b & \"\"c\"\"\",0,"));
+TEST(TradeReport, EveryPointOfferedIsACircleAndWhatIsNotIsNone) {
+  TradeReport report = threePoints();
+  report.sweep.points[1].offered = false;
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(frontSvg(report).c_str()));
+  const auto circles = document.child("svg").children("circle");
+  EXPECT_EQ(std::distance(circles.begin(), circles.end()), 2);
+}
+
+TEST(TradeReport, CsvQuotesNamesAndHasAsManyCellsAsHeadings) {
+  const std::string csv = tradeCsv(threePoints());
+  EXPECT_THAT(csv, testing::HasSubstr("\"a<b & \"\"c\"\"\",\"a\",\"\",0,1,"));
+  const auto commas = [&csv](std::size_t from) {
+    const std::size_t end = csv.find('\n', from);
+    return std::count(csv.begin() + static_cast<std::ptrdiff_t>(from),
+                      csv.begin() + static_cast<std::ptrdiff_t>(end), ',');
+  };
+  EXPECT_EQ(commas(0), commas(csv.find('\n') + 1));
 }
 
 TEST(Accuracy, ReferenceIsBruteForceAndNeverCoarser) {

@@ -285,22 +285,38 @@ TEST_F(OnABall, RealClockRunsItsTime) {
   EXPECT_GT(static_cast<int>(found["ticks"]) + static_cast<int>(found["ticks_missed"]), 400);
 }
 
-TEST_F(OnABall, TradeoffWritesItsThreeFilesAndChooses) {
-  const json found = result({"tradeoff", at("case"), "--out", at("trade"), "--choose", "--deadline",
-                             "1s", "--headroom", "0.5"});
+TEST_F(OnABall, TradeoffWritesItsFilesAndChooses) {
+  const json found = result({"tradeoff", at("case"), "--quick", "--out", at("trade"), "--choose",
+                             "--deadline", "1s", "--headroom", "0.5"});
   ASSERT_FALSE(found["front"].empty());
   ASSERT_TRUE(found["chosen"].is_object());
-  for (const char* name : {"name", "force_error_p95_N", "step_us", "setting"}) {
+  for (const char* name : {"name", "force_error_p95_N", "step_us", "setting", "checked"}) {
     EXPECT_TRUE(found["chosen"].contains(name)) << name;
   }
+  EXPECT_EQ(found["chosen"]["checked"]["seed"], 2);
   EXPECT_THAT(listing(*folder / "trade"),
-              ElementsAre("tradeoff.csv", "tradeoff.json", "tradeoff.svg"));
+              ElementsAre("front.png", "front.svg", "options.png", "options.svg", "tradeoff.csv",
+                          "tradeoff.json"));
   EXPECT_EQ(json::parse(contentOf(*folder / "trade/tradeoff.json"))["front"], found["front"]);
+}
+
+TEST_F(OnABall, TradeoffTakesARecordedMotion) {
+  result({"simulate", at("case"), "--seconds", "1", "--record", at("motion.palpate")});
+  const json found = result({"tradeoff", at("case"), "--quick", "--session", at("motion.palpate"),
+                             "--out", at("trade-session")});
+  EXPECT_EQ(found["trajectories"].back(), "motion");
+}
+
+TEST_F(OnABall, AKnownShapeIsMeasuredAgainstItsClosedForm) {
+  const json found = result({"tradeoff", "--shape", "plane", "--voxel", "2", "--quick", "--choose",
+                             "--deadline", "1s"});
+  EXPECT_EQ(found["reference"],
+            "the closed form of the plane, in double precision, with a shell of half the spacing");
 }
 
 TEST_F(OnABall, AChoiceUnderAnImpossibleDeadlineFailsItsCheck) {
   const ProgramRun run =
-      palpate({"tradeoff", at("case"), "--choose", "--deadline", "0.001us", "--json"});
+      palpate({"tradeoff", at("case"), "--quick", "--choose", "--deadline", "0.001us", "--json"});
   expectRefused(run, 1, "check-failed");
 }
 

@@ -100,7 +100,7 @@ def other_commands(watch, data, case):
     (watch.folder / "poses.csv").write_text(POSES, encoding="ascii")
     watch.run("collide", "--world", f"{case}/labels.mha", "--shell", "shell.ply", "--poses",
               "poses.csv", "--out", "contacts.csv", "--json")
-    watch.run("tradeoff", case, "--out", "tradeoff", "--json")
+    watch.run("tradeoff", case, "--quick", "--out", "tradeoff", "--json")
     watch.run("devices", "--json")
     watch.run("doctor", "--seconds", "0.1", "--json")
 

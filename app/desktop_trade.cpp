@@ -1,0 +1,108 @@
+/// Speed against accuracy in the window: measured when a scene is ready, chosen under the deadline,
+/// shown as a front whose marker the user moves.
+
+#include <algorithm>
+
+#include "app/accuracy.h"
+#include "app/desktop_loop.h"
+#include "core/trade/choice.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kHeadroom = 0.5;  // the rest of a step's time is the system's and the servo's
+
+ui::TradeRowModel rowModel(const TradeRow& row) {
+  return {row.name, row.depth_mm, row.force_N, row.p99_us, row.p999_us, row.onFront};
+}
+
+}  // namespace
+
+/// A scene is ready at the case's own setting, or at the chosen one.
+void Desktop::considerTrade(const std::shared_ptr<const PreparedScene>& scene) {
+  const std::string key = tradeKey(*scene, ownSetting_, simulation_.info().model);
+  if (key == tradeKey_) return showTrade();
+  tradeKey_ = key;
+  trade_.reset();
+  if (open_) trade_ = readTradeMemo(open_->folder, key);
+  showTrade();
+  if (trade_) return applyTrade(trade_->chosen);
+  // Pictures, scripts and soaks say themselves what is measured, and when.
+  if (!options_.screenshot && !options_.uiScript && options_.soak_s <= 0.0) measureTrade();
+}
+
+void Desktop::measureTrade() {
+  const auto scene = simulation_.shared();
+  if (!scene || simulation_.running()) return;
+  const auto work = [this, scene, own = ownSetting_, device = simulation_.info(),
+                     key = tradeKey_](const Progress& progress) -> JobQueue::Completion {
+    const auto declared = withSetting(*scene, own, progress);
+    if (!declared) return [this, e = declared.error()] { complain(e, "Nothing was measured."); };
+    TradeRequest request;
+    request.effort = TradeEffort::Quick;
+    request.device = device;
+    const auto sweep = sweepTrade(**declared, request, progress);
+    if (!sweep) return [this, e = sweep.error()] { complain(e, "Nothing was measured."); };
+    const auto chosen = chooseSetting(sweep->points, own.stepPeriod, kHeadroom);
+    const TradeMemo memo = memoOf(*sweep, chosen ? chosen->name : "default");
+    return [this, key, memo] {
+      if (key != tradeKey_ || !open_) return;
+      takeTrade(memo);
+    };
+  };
+  jobs_.addIdle("Measuring speed and accuracy", work);
+}
+
+void Desktop::takeTrade(const TradeMemo& memo) {
+  trade_ = memo;
+  if (auto written = writeTradeMemo(open_->folder, tradeKey_, memo); !written) {
+    complain(written.error(), "It is measured again when the case is opened.");
+  }
+  showTrade();
+  applyTrade(memo.chosen);
+}
+
+void Desktop::chooseTrade(const std::string& name) {
+  if (!trade_ || !open_) return;
+  trade_->chosen = name;
+  (void)writeTradeMemo(open_->folder, tradeKey_, *trade_);  // the choice holds for now all the same
+  showTrade();
+  applyTrade(name);
+}
+
+/// Makes the scene ready at a row's setting, beside the window; the present one stays until then.
+void Desktop::applyTrade(const std::string& name) {
+  const auto scene = simulation_.shared();
+  const auto setting = scene ? settingOfRow(name, ownSetting_, scene->instrument) : std::nullopt;
+  if (!setting || name == appliedTrade_) return;
+  appliedTrade_ = name;
+  jobs_.addLatest("Applying the setting", [this, scene, setting](const Progress& progress) {
+    const auto prepared = withSetting(*scene, *setting, progress);
+    return [this, scene, prepared] {
+      if (simulation_.shared() != scene) return;
+      if (!prepared) return complain(prepared.error(), "The simulation is as it was.");
+      takeScene(*prepared);
+    };
+  });
+}
+
+/// Another case is opened.
+void Desktop::forgetTrade() {
+  tradeKey_.clear();
+  trade_.reset();
+  appliedTrade_ = "default";
+  showTrade();
+}
+
+void Desktop::showTrade() {
+  ui::TradeModel& model = model_.simulate.trade;
+  model = {};
+  model.limit_us = 1e6 * kHeadroom * ownSetting_.stepPeriod;
+  if (!trade_) return;
+  for (const TradeRow& row : trade_->rows) {
+    if (row.name == trade_->chosen) model.chosen = model.rows.size();
+    model.rows.push_back(rowModel(row));
+  }
+}
+
+}  // namespace palpate

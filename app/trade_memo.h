@@ -1,0 +1,47 @@
+#pragma once
+/// A measured trade, remembered: which settings a scene can have, what each errs and costs on this
+/// machine, and which was chosen.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/simulation/prepared_scene.h"
+#include "core/trade/tradeoff.h"
+
+namespace palpate {
+
+struct TradeRow {
+  std::string name;  ///< Of a single change of the scene's own setting; "default": none.
+  double depth_mm = 0, force_N = 0, p99_us = 0, p999_us = 0;  ///< As promised.
+  bool onFront = false;
+};
+
+struct TradeMemo {
+  std::vector<TradeRow> rows;  ///< The fastest first.
+  std::string chosen = "default";
+};
+
+/// The offered points of a sweep.
+[[nodiscard]] TradeMemo memoOf(const TradeSweep& sweep, const std::string& chosen);
+
+/// What the numbers hold for: this scene at its own setting, this device, this machine, this
+/// version. Another key: measure again.
+[[nodiscard]] std::string tradeKey(const PreparedScene& scene, const SimulationSetting& own,
+                                   const std::string& device);
+
+/// CASE/trade.cache.json, which may be deleted at any time. Nothing where there is none, it is of
+/// another key, or it cannot be read.
+[[nodiscard]] std::optional<TradeMemo> readTradeMemo(const std::filesystem::path& caseFolder,
+                                                     const std::string& key);
+[[nodiscard]] Result<void> writeTradeMemo(const std::filesystem::path& caseFolder,
+                                          const std::string& key, const TradeMemo& memo);
+
+/// The scene's own setting with the change that a row names; nothing for a name that is none.
+[[nodiscard]] std::optional<SimulationSetting> settingOfRow(const std::string& name,
+                                                            const SimulationSetting& own,
+                                                            const Instrument& instrument);
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#pragma once
+/// The motions of a sweep with what the reference feels along them; measures settings over them.
+
+#include <memory>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/trade/tradeoff.h"
+#include "core/trade/variants.h"
+
+namespace palpate {
+
+/// The base outlives it. One thread at a time.
+class Bench {
+ public:
+  /// Makes the motions and runs the reference over them.
+  [[nodiscard]] static Result<Bench> create(const PreparedScene& base, const TradeRequest& request,
+                                            const Progress& progress);
+
+  /// The reference as a point: no error, and what it costs.
+  [[nodiscard]] const TradePoint& reference() const noexcept { return reference_; }
+  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] Result<TradePoint> measure(const NamedSetting& setting, const Progress& progress);
+  /// Time and tests of single queries of the base, and the contacts of each, at poses pressed
+  /// deeper and deeper; for the growth over contacts.
+  struct Queries {
+    std::vector<double> contacts, micros, tests;
+  };
+  [[nodiscard]] Queries queries();
+  [[nodiscard]] Variants& variants() noexcept { return variants_; }
+
+ private:
+  struct Motion {
+    Trajectory trajectory;
+    Felt felt;                       ///< The reference's.
+    std::vector<ProbedPose> probed;  ///< Where contacts are compared.
+  };
+  Bench(const PreparedScene& base, const TradeRequest& request);
+  [[nodiscard]] Result<void> addMotions(const Progress& progress);
+  [[nodiscard]] std::vector<Trajectory> trajectories();
+  [[nodiscard]] CouplingGains gainsOf(const SimulationSetting& setting) const;
+  void addCost(const Pass& pass);
+  [[nodiscard]] TradeCost costOf(const PreparedScene& scene, bool reference) const;
+
+  const PreparedScene& base_;
+  TradeRequest request_;
+  Variants variants_;
+  std::unique_ptr<ReferenceShape> shape_;
+  std::shared_ptr<const PointShell> finest_;
+  std::vector<Motion> motions_;
+  TradePoint reference_;
+  std::vector<std::vector<double>> micros_;  ///< Of the setting that is measured, by motion.
+  std::vector<double> tests_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+#pragma once
+/// How far a setting is from the reference.
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/simulation/prepared_scene.h"
+#include "core/trade/felt.h"
+#include "core/trade/trajectory.h"
+
+namespace palpate {
+
+/// By nearest rank; zeros of nothing.
+struct Spread {
+  double median = 0.0, p95 = 0.0, worst = 0.0;
+};
+[[nodiscard]] Spread spreadOf(std::vector<double> values);
+/// The value that a share of them does not exceed, by nearest rank; 0 of nothing.
+[[nodiscard]] double percentile(std::vector<double> values, double share);
+
+struct TradeErrors {
+  Spread force_N, torque_Nmm;  ///< On the hand, in ticks where either is in contact.
+  Spread depth_mm;             ///< Of the deepest contact at a probed pose.
+  Spread normal_deg;           ///< Of the contacts' mean normal, weighted by depth.
+  /// Of the setting's own shell points at the probed poses: those that the reference finds inside
+  /// and the setting does not, and the reverse; how many the reference finds.
+  std::uint64_t missed = 0, extra = 0, reference = 0;
+  /// Along smooth motion: force less its mean over 21 ms; and its change from tick to tick.
+  Spread ripple_N, jump_N_per_ms;
+  Spread rest_mm;   ///< Of the tool's place where the hand is still, a value a trajectory.
+  Spread onset_ms;  ///< Of the first 0.05 N, a value a trajectory; below 0 counts like above.
+};
+
+/// What the reference finds at a pose.
+struct ProbedPose {
+  Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
+  double deepest = 0.0;                                     ///< m, of the finest shell.
+  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();       ///< Sum of depth times normal.
+};
+
+/// The reference's poses, every `stride` ticks, pressed 0.4 mm towards the hand: a rigid tool rests
+/// with next to no depth.
+[[nodiscard]] std::vector<ProbedPose> probedPoses(const ReferenceRun& run,
+                                                  const Trajectory& trajectory,
+                                                  const PointShell& finest, ReferenceShape& shape,
+                                                  std::size_t stride);
+
+/// Gathers samples of one setting over many trajectories.
+class ErrorSamples {
+ public:
+  void addFelt(const Trajectory& trajectory, const Felt& felt, const Felt& reference);
+  /// The setting's own query at the poses.
+  void addContacts(const PreparedScene& scene, std::span<const ProbedPose> poses,
+                   ReferenceShape& shape);
+  /// The reference's query with the points of the scene's shell, as if it were a setting.
+  void addReferenceContacts(const PreparedScene& scene, std::span<const ProbedPose> poses,
+                            ReferenceShape& shape);
+  [[nodiscard]] TradeErrors errors() const;
+  /// What can be promised of p95 over other motions of the kind: force N, depth mm.
+  [[nodiscard]] double promisedForce() const;
+  [[nodiscard]] double promisedDepth() const;
+
+ private:
+  void addPose(const ProbedPose& pose, double deepest, const Eigen::Vector3d& normal_W);
+
+  using ByMotion = std::vector<std::vector<double>>;
+  ByMotion force_, depth_;
+  std::vector<double> torque_, normal_, ripple_, jump_, rest_, onset_;
+  std::uint64_t missed_ = 0, extra_ = 0, reference_ = 0;
+};
+
+}  // namespace palpate
