@@ -35,7 +35,8 @@ Result<void> checkOptions(const TradeoffOptions& options) {
   if (options.caseOrScene.empty() == options.shape.empty()) {
     return fail(usageError("What is measured is a case, or a known shape.")
                     .inField("CASE|SCENE, --shape")
-                    .wants("exactly one of them"));
+                    .wants("exactly one of them")
+                    .advise("Name a case, or give --shape."));
   }
   if (options.out.empty() && !options.choose) {
     return fail(usageError("Nothing says where the sweep goes.")

@@ -36,7 +36,9 @@ void Desktop::measureTrade() {
   if (!scene || simulation_.running()) return;
   const auto work = [this, scene, own = ownSetting_, device = simulation_.info(),
                      key = tradeKey_](const Progress& progress) -> JobQueue::Completion {
-    const auto declared = withSetting(*scene, own, progress);
+    Progress quiet;  // a moment; what takes time is the sweep
+    quiet.cancel = progress.cancel;
+    const auto declared = withSetting(*scene, own, quiet);
     if (!declared) return [this, e = declared.error()] { complain(e, "Nothing was measured."); };
     TradeRequest request;
     request.effort = TradeEffort::Quick;

@@ -124,6 +124,19 @@ TEST(Jobs, ShowHowFarTheyAreAndStopWhenCancelled) {
   EXPECT_TRUE(cancelled);
 }
 
+TEST(Jobs, WhatIsDoneWhenIdleGivesWayToWhatIsWanted) {
+  JobQueue jobs;
+  std::vector<std::string> ended;
+  jobs.addIdle("Measuring", [&](const Progress& progress) {
+    while (!progress.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return [&] { ended.emplace_back("measuring cancelled"); };
+  });
+  jobs.addIdle("Measuring", [&](const Progress&) { return [&] { ended.emplace_back("again"); }; });
+  jobs.add("Opening", [&](const Progress&) { return [&] { ended.emplace_back("opened"); }; });
+  jobs.finishAll();
+  EXPECT_EQ(ended, (std::vector<std::string>{"measuring cancelled", "opened"}));
+}
+
 TEST(Signals, ATerminationAsksTheWindowToCloseInsteadOfEndingTheProgram) {
   {
     const DesktopSignals signals;

@@ -49,10 +49,12 @@ struct Shown {
     model.simulate.info.couplingStiffness = 600;
     model.simulate.tree = "4 levels, 84 123 voxels";
     model.simulate.shell = "2 048 points, 0.50 mm";
-    model.simulate.accuracy =
-        "\xc2\xb1"
-        "0.12 mm \xc2\xb1"
-        "0.05 N";
+    model.simulate.trade.rows = {{"shell=2.00mm", 0.42, 0.41, 6.0, 18, true},
+                                 {"iterations=20", 0.12, 0.22, 8.0, 19, true},
+                                 {"leaf=voxel", 0.30, 0.55, 12.0, 40, false},
+                                 {"default", 0.12, 0.20, 14.0, 30, false},
+                                 {"shell=0.25mm", 0.02, 0.13, 21.0, 60, true}};
+    model.simulate.trade.chosen = 1;
     model.forceTrace = {0,    0,    0.2F,  0.6F, 0.9F,  1.4F, 1.3F,
                         1.1F, 1.2F, 1.25F, 1.3F, 1.24F, 1.2F, 1.24F};
     model.snapshot = &snapshot;

@@ -14,6 +14,7 @@
 #include "ui/picture.h"
 #include "ui/strip.h"
 #include "ui/theme.h"
+#include "ui/trade_words.h"
 #include "ui/ui_script.h"
 #include "ui/volume_layer.h"
 
@@ -235,10 +236,7 @@ TEST_F(StripTest, ColumnsStayWhereTheyAreWhateverTheNumbers) {
   large.stepTime = {8765, 98765, 0, 0};
   large.tickTime = {1111, 11111, 0, 0};
   large.ticksMissed = 9999;
-  model.simulate.accuracy =
-      "\xc2\xb1"
-      "0.12 mm  \xc2\xb1"
-      "0.05 N";
+  model.simulate.trade.rows = {{"default", 0.12, 0.05, 90, 310, true}};
   std::vector<std::vector<StripColumn>> all;
   for (const Snapshot* s :
        {static_cast<const Snapshot*>(nullptr), static_cast<const Snapshot*>(&small),
@@ -254,6 +252,27 @@ TEST_F(StripTest, ColumnsStayWhereTheyAreWhateverTheNumbers) {
     EXPECT_GE(all[2][i].x, before) << "overlap";
     EXPECT_LE(all[2][i].x + all[2][i].width, 1266.0F);
   }
+}
+
+TEST(TradeWords, SettingsReadAsSentencesDo) {
+  EXPECT_EQ(settingWords("default"), "as the scene says");
+  EXPECT_EQ(settingWords("shell=1.00mm"), "a point every 1.00 mm");
+  EXPECT_EQ(settingWords("iterations=20"), "20 impulses a step");
+  EXPECT_EQ(settingWords("leaf=voxel"), "voxel leaves");
+  EXPECT_EQ(settingWords("rate=500Hz"), "500 Hz");
+  EXPECT_EQ(settingWords("something=new"), "something=new");
+}
+
+TEST(TradeWords, NumbersAreThoseOfTheChosenRow) {
+  TradeModel trade;
+  EXPECT_EQ(errorText(trade), "error not measured");
+  trade.rows = {{"default", 0.1, 0.5, 9, 20, true}, {"shell=1.00mm", 0.12, 0.05, 90, 310, true}};
+  trade.chosen = 1;
+  EXPECT_EQ(numbersText(trade.rows[1]), "0.12 mm, 0.05 N, 310 \xc2\xb5s");
+  EXPECT_EQ(errorText(trade),
+            "\xc2\xb1"
+            "0.12 mm  \xc2\xb1"
+            "0.05 N");
 }
 
 }  // namespace
