@@ -383,14 +383,12 @@ def ct_rows(rows, case, scan):
 
 
 def mr_rows(rows, case):
-    # Ours leaves the brightest thousandth out of the histogram. Both count in 256 bins of 0.8 grey
-    # values, so each may be a whole value off: over all values the best are 50 (both are within one)
-    # and 38, 93 (ours takes 94, scikit-image 92). One value is 3.5 % of the brain.
-    grey = np.minimum(case.grey, np.quantile(case.grey, 0.999)).astype(np.float64)
+    # Ours leaves the brightest thousandth out. scikit-image counts whole numbers one by one, too.
+    grey = np.minimum(case.grey, np.quantile(case.grey, 0.999, method="lower"))
     rows.row(case, "preset mr-tissue", "skimage threshold_otsu", step(preset="mr-tissue"), "tissue",
-             lambda: grey > filters.threshold_otsu(grey, 256), 0.99)
+             lambda: grey > filters.threshold_otsu(grey))
     rows.row(case, "preset mr-brain", "skimage threshold_multiotsu", step(preset="mr-brain"), "brain",
-             lambda: grey > filters.threshold_multiotsu(grey, 3, 256)[1], 0.96)
+             lambda: grey > filters.threshold_multiotsu(grey, 3)[1])
     if os.path.exists(MR_BRAIN):
         head = Case(case.palpate, "brain", MR_BRAIN, case.work)
         # A start, not a result (imaging/README.md): the number is what is known of it.
