@@ -139,6 +139,8 @@ def largest(count):
 
 def near(case, mask, mm):
     """Within mm of the mask, centre to centre: an exact distance in double precision."""
+    if not mask.any():
+        return mask  # SciPy would measure from nowhere
     return ndimage.distance_transform_edt(~mask, sampling=case.sampling) <= mm * (1 + 1e-9)
 
 
@@ -171,6 +173,21 @@ def blurred(case, mask, mm):
     """The kernel cut at the scan's edge is scaled to one, as VTK does."""
     blur = lambda a: ndimage.gaussian_filter(a, mm / case.sampling, mode="constant", truncate=3.0)
     return blur(mask.astype(np.float32)) > 0.5 * blur(np.ones(mask.shape, np.float32))
+
+
+def long_parts(case, mask, mm):
+    """The 26-connected parts whose box, voxels whole, has a diagonal of mm or more."""
+    labels, _ = ndimage.label(mask, CORNERS)
+    sides = [[s.stop - s.start for s in box] * case.sampling for box in ndimage.find_objects(labels)]
+    return np.array([False] + [np.linalg.norm(side) >= mm for side in sides])[labels]
+
+
+def thin(case, mask, mm):
+    """What smoothing keeps (smooth.cpp): no ball fits, beside what is a ball's radius from any."""
+    radius = max(mm, case.spacing.max())
+    balls = opened(case, mask, radius)
+    middle = mask & ~dilated(case, balls, radius)
+    return long_parts(case, mask & ~balls & dilated(case, middle, 2 * radius), 6 * mm)
 
 
 def grown(mask, voxel):
@@ -326,6 +343,8 @@ def mask_rows(rows, case, low, high, split=True):
              mm=mm)
     tool("smooth 1 mm, `keep_thin` off", "scipy gaussian_filter", lambda: blurred(case, bone, 1.0),
          0.995, tool="smooth", mm=1.0, keep_thin=False)
+    tool("smooth 1 mm", "scipy gaussian_filter, distances, label",
+         lambda: blurred(case, bone, 1.0) | thin(case, bone, 1.0), 0.995, tool="smooth", mm=1.0)
     rows.row(case, "grow from a seed", "scipy label",
              step(tool="grow", label="bone", seeds=[case.point(*seed)], threshold=[low, high]), "bone",
              lambda: grown(bone, seed))
