@@ -98,13 +98,16 @@ Result<void> applyTo(Work& work, LabelStep step, const Progress& progress) {
   return {};
 }
 
-/// What is wrong in a recipe is a wrong file, not a wrong command line, and has a step.
-Error fromRecipe(Error error, const fs::path& recipe, std::size_t step) {
-  if (recipe.empty() || error.kind == ErrorKind::Cancelled) return error;
-  if (error.kind == ErrorKind::Usage) error.kind = ErrorKind::InputRefused;
-  error.file = recipe.string();
+/// Where it went wrong in --recipe or --step. What is wrong in a recipe is a wrong file, not a
+/// wrong command line.
+Error ofStep(Error error, const SegmentOptions& options, std::size_t step) {
+  const bool inFile = !options.recipe.empty();
+  if (error.kind == ErrorKind::Cancelled || (!inFile && options.steps.empty())) return error;
   const std::string where = "step[" + std::to_string(step) + "]";
   error.field = error.field ? where + "." + *error.field : where;
+  if (!inFile) return error;
+  if (error.kind == ErrorKind::Usage) error.kind = ErrorKind::InputRefused;
+  error.file = options.recipe.string();
   return error;
 }
 
@@ -142,7 +145,7 @@ Result<CommandOutput> runSegment(const SegmentOptions& options, const CommandCon
   if (!work) return fail(work.error());
   for (std::size_t i = 0; i < steps->size(); ++i) {
     const Result<void> applied = applyTo(*work, (*steps)[i], context.progress);
-    if (!applied) return fail(fromRecipe(applied.error(), options.recipe, i));
+    if (!applied) return fail(ofStep(applied.error(), options, i));
   }
   if (context.progress.cancelled()) return fail(cancelled());
   if (const Result<void> written =

@@ -245,8 +245,10 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
   const bool stays = request.kind != Kind::Preview;
   std::set<std::uint8_t> values = stays ? std::exchange(undrawn_, {}) : std::set<std::uint8_t>{};
   for (const std::uint8_t value : changedLabels(*before, *after)) values.insert(value);
+  int meshStep = 1;
   {
     const std::lock_guard lock(mutex_);
+    meshStep = meshStep_;  // open() may set it for another case meanwhile
     const bool another = std::any_of(waiting_.begin(), waiting_.end(),
                                      [](const Request& r) { return r.kind != Kind::Preview; });
     if (stays && another) {  // its surfaces are soon out of date: the next step draws them too
@@ -260,7 +262,7 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
     if (values.contains(row.value)) changed.push_back(row);
   }
   if (changed.empty() && !stays) return;
-  auto surfaces = surfacesOf(after->labels, changed, volume, meshStep_, progress());
+  auto surfaces = surfacesOf(after->labels, changed, volume, meshStep, progress());
   if (!surfaces) return;  // cancelled: the next preview brings its own
   Outcome outcome;
   outcome.kind = Kind::Surfaces;

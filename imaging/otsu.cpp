@@ -1,92 +1,151 @@
 #include "imaging/otsu.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kBins = 256;
+constexpr std::size_t kBins = 65536;  // one a value of int16
 
-struct Histogram {
-  std::array<double, kBins> count{};
-  double low = 0.0, width = 1.0;
-  [[nodiscard]] double lowerEdge(std::size_t bin) const {
-    return low + width * static_cast<double>(bin);
-  }
+/// A grey value that occurs, or a bin of them.
+struct Level {
+  double least = 0.0;  ///< Smallest value in it.
+  double count = 0.0;
+  double sum = 0.0;  ///< Of the values, from the volume's smallest. Whole numbers stay exact.
 };
 
-Histogram fill(const Volume& volume, double low, double high) {
-  Histogram h;
-  h.low = low;
-  h.width = high > low ? (high - low) / static_cast<double>(kBins) : 1.0;
-  for (std::size_t i = 0; i < volume.size(); ++i) {
-    const double bin = (volume.value(i) - low) / h.width;
-    h.count[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(kBins - 1)))] += 1.0;
+/// All values that occur, ascending.
+std::vector<Level> levelsOf(const std::vector<std::int16_t>& values) {
+  constexpr int kLowest = std::numeric_limits<std::int16_t>::min();
+  std::vector<std::uint64_t> counts(kBins);
+  for (const std::int16_t value : values) ++counts[static_cast<std::size_t>(value - kLowest)];
+  std::vector<Level> levels;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    if (counts[bin] == 0) continue;
+    const double value = static_cast<double>(bin) + kLowest;
+    const auto count = static_cast<double>(counts[bin]);
+    const double low = levels.empty() ? value : levels.front().least;
+    levels.push_back({value, count, count * (value - low)});
   }
-  return h;
+  return levels;
 }
 
-Histogram histogram(const Volume& volume) {
-  const auto [low, high] = valueRange(volume);
-  const Histogram whole = fill(volume, low, high);
-  double above = static_cast<double>(volume.size()) * 0.001;
-  std::size_t top = kBins - 1;
-  for (; top > 0 && above >= whole.count[top]; --top) above -= whole.count[top];
-  return fill(volume, low, std::min(high, whole.lowerEdge(top + 1)));
+/// Occupied bins, ascending; what is above counts as `high`.
+std::vector<Level> levelsOf(const std::vector<float>& values, double low, double high) {
+  const double perValue = high > low ? static_cast<double>(kBins) / (high - low) : 0.0;
+  std::vector<Level> levels(kBins);
+  for (const float v : values) {
+    const double value = std::min(static_cast<double>(v), high);
+    if (!(value >= low)) continue;  // not a number
+    const double bin = std::min((value - low) * perValue, static_cast<double>(kBins - 1));
+    Level& level = levels[static_cast<std::size_t>(bin)];
+    if (level.count == 0.0 || value < level.least) level.least = value;
+    level.count += 1.0;
+    level.sum += value - low;
+  }
+  std::erase_if(levels, [](const Level& level) { return level.count == 0.0; });
+  return levels;
 }
 
-/// Sums of count and count·bin before each bin.
-struct Sums {
-  std::array<double, kBins + 1> n{}, moment{};
-  explicit Sums(const Histogram& h) {
-    for (std::size_t b = 0; b < kBins; ++b) {
-      n[b + 1] = n[b] + h.count[b];
-      moment[b + 1] = moment[b] + h.count[b] * static_cast<double>(b);
+/// The level that the brightest thousandth counts as. Two levels always stay: a small thing in a
+/// dark scan is what is looked for.
+std::size_t topOf(const std::vector<Level>& levels, std::size_t voxels) {
+  double above = static_cast<double>(voxels) * 0.001;
+  std::size_t top = levels.empty() ? 0 : levels.size() - 1;
+  for (; top > 1 && above >= levels[top].count; --top) above -= levels[top].count;
+  return top;
+}
+
+std::vector<Level> levelsOf(const Volume& volume) {
+  const bool whole = volume.type == VoxelType::Int16;
+  const auto [low, high] = whole ? std::pair{0.0, 0.0} : valueRange(volume);
+  std::vector<Level> levels = whole ? levelsOf(volume.int16) : levelsOf(volume.float32, low, high);
+  const std::size_t top = topOf(levels, volume.size());
+  if (top + 1 >= levels.size()) return levels;
+  if (!whole) return levelsOf(volume.float32, low, levels[top].least);  // in narrower bins
+  for (std::size_t i = top + 1; i < levels.size(); ++i) levels[top].count += levels[i].count;
+  levels[top].sum = levels[top].count * (levels[top].least - levels.front().least);
+  levels.resize(top + 1);
+  return levels;
+}
+
+/// Sums of count and of values before each level.
+class Sums {
+ public:
+  explicit Sums(const std::vector<Level>& levels)
+      : count_(levels.size() + 1), sum_(levels.size() + 1) {
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      count_[i + 1] = count_[i] + levels[i].count;
+      sum_[i + 1] = sum_[i] + levels[i].sum;
     }
   }
-  /// Share of the variance between classes of the bins [from, to).
+  /// Share of the variance between classes of the levels [from, to), of one or more.
   [[nodiscard]] double between(std::size_t from, std::size_t to) const {
-    const double count = n[to] - n[from];
-    const double sum = moment[to] - moment[from];
-    return count > 0.0 ? sum * sum / count : 0.0;
+    const double sum = sum_[to] - sum_[from];
+    return sum * sum / (count_[to] - count_[from]);
   }
+
+ private:
+  std::vector<double> count_, sum_;
 };
 
-}  // namespace
-
-double otsuThreshold(const Volume& volume) {
-  const Histogram h = histogram(volume);
-  const Sums sums(h);
-  std::size_t best = 1;
+/// The cut in [first, last] that parts the levels [0, end) best.
+std::size_t bestCut(const Sums& sums, std::size_t first, std::size_t last, std::size_t end) {
+  std::size_t best = first;
   double bestScore = -1.0;
-  for (std::size_t cut = 1; cut < kBins; ++cut) {
-    const double score = sums.between(0, cut) + sums.between(cut, kBins);
+  for (std::size_t cut = first; cut <= last; ++cut) {
+    const double score = sums.between(0, cut) + sums.between(cut, end);
     if (score > bestScore) {
       bestScore = score;
       best = cut;
     }
   }
-  return h.lowerEdge(best);
+  return best;
+}
+
+/// For each end in [first, last] the best cut below it, known to be in [low, high]. As the end
+/// rises the best cut never falls (Grønlund and others, "Fast exact k-means, k-medians and Bregman
+/// divergence clustering in 1D", 2017), so that the middle end's cut bounds those of both halves.
+void bestCuts(const Sums& sums, std::size_t first, std::size_t last, std::size_t low,
+              std::size_t high, std::vector<std::size_t>& cuts) {
+  const std::size_t end = first + (last - first) / 2;
+  const std::size_t cut = bestCut(sums, low, std::min(high, end - 1), end);
+  cuts[end] = cut;
+  if (end > first) bestCuts(sums, first, end - 1, low, cut, cuts);
+  if (end < last) bestCuts(sums, end + 1, last, cut, high, cuts);
+}
+
+}  // namespace
+
+double otsuThreshold(const Volume& volume) {
+  const std::vector<Level> levels = levelsOf(volume);
+  if (levels.empty()) return 0.0;
+  if (levels.size() == 1) return levels[0].least;
+  return levels[bestCut(Sums(levels), 1, levels.size() - 1, levels.size())].least;
 }
 
 std::pair<double, double> otsuThresholds2(const Volume& volume) {
-  const Histogram h = histogram(volume);
-  const Sums sums(h);
-  std::pair<std::size_t, std::size_t> best{1, 2};
+  const std::vector<Level> levels = levelsOf(volume);
+  if (levels.empty()) return {0.0, 0.0};
+  if (levels.size() < 3) return {levels.back().least, levels.back().least};
+  const Sums sums(levels);
+  std::vector<std::size_t> lower(levels.size());  // of each upper cut
+  bestCuts(sums, 2, levels.size() - 1, 1, levels.size() - 2, lower);
+  std::size_t best = 2;
   double bestScore = -1.0;
-  for (std::size_t low = 1; low + 1 < kBins; ++low) {
-    for (std::size_t high = low + 1; high < kBins; ++high) {
-      const double score =
-          sums.between(0, low) + sums.between(low, high) + sums.between(high, kBins);
-      if (score > bestScore) {
-        bestScore = score;
-        best = {low, high};
-      }
+  for (std::size_t upper = 2; upper < levels.size(); ++upper) {
+    const std::size_t cut = lower[upper];
+    const double score =
+        sums.between(0, cut) + sums.between(cut, upper) + sums.between(upper, levels.size());
+    if (score > bestScore) {
+      bestScore = score;
+      best = upper;
     }
   }
-  return {h.lowerEdge(best.first), h.lowerEdge(best.second)};
+  return {levels[lower[best]].least, levels[best].least};
 }
 
 }  // namespace palpate

@@ -59,7 +59,7 @@ Result<void> carryOut(Edit& edit, const tool::Box& tool) {
   if (!tool.low_mm.allFinite() || !tool.high_mm.allFinite() ||
       (tool.low_mm.array() > tool.high_mm.array()).any()) {
     return fail(usageError("The box's low corner is above its high corner.")
-                    .inField("box")
+                    .inField("low")
                     .wants("low, then high, along each axis")
                     .advise("Swap the numbers."));
   }

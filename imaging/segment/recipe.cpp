@@ -263,15 +263,25 @@ Result<std::vector<LabelStep>> parseRecipe(const std::string& text, const fs::pa
 }
 
 Result<std::vector<LabelStep>> readSteps(const std::vector<std::string>& inlineTables) {
+  const auto notToml = [](const std::string& why) {
+    return usageError("A step is not TOML: " + why + ".")
+        .inField("--step")
+        .wants("tool = 'margin', label = 'bone', operation = 'close', mm = 2")
+        .advise("Correct the step and run the command again.");
+  };
   std::string text = "step = [\n";
   for (const std::string& table : inlineTables) text += "{ " + table + " },\n";
+  if (lineOfStrayLetter(text) > 0) {
+    return fail(notToml("a letter beyond ASCII is not in quotes"));
+  }
   try {
-    return stepsOf(toml::parse(text + "]\n"), {});
+    auto steps = stepsOf(toml::parse(text + "]\n"), {});
+    if (steps) return steps;
+    Error error = steps.error();
+    error.kind = ErrorKind::Usage;
+    return fail(std::move(error).advise("Correct the step and run the command again."));
   } catch (const toml::parse_error& problem) {
-    return fail(usageError("A step is not TOML: " + std::string(problem.description()) + ".")
-                    .inField("--step")
-                    .wants("tool = 'margin', label = 'bone', operation = 'close', mm = 2")
-                    .advise("Correct the step and run the command again."));
+    return fail(notToml(std::string(problem.description())));
   }
 }
 

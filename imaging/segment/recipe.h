@@ -20,7 +20,7 @@ namespace palpate {
 [[nodiscard]] Result<std::vector<LabelStep>> parseRecipe(const std::string& text,
                                                          const std::filesystem::path& file);
 /// Steps as inline tables ("tool = 'margin', label = 'bone', operation = 'close', mm = 2"), as a
-/// command line gives them.
+/// command line gives them: what is wrong in them is a usage error, by step and key.
 [[nodiscard]] Result<std::vector<LabelStep>> readSteps(
     const std::vector<std::string>& inlineTables);
 /// What readRecipe() reads back to the last bit.

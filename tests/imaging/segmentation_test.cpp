@@ -10,7 +10,6 @@
 #include "imaging/archive.h"
 #include "imaging/components.h"
 #include "imaging/import.h"
-#include "imaging/otsu.h"
 #include "imaging/volume_files.h"
 #include "tests/imaging/demo_files.h"
 #include "tests/imaging/volume_samples.h"
@@ -146,23 +145,6 @@ TEST(Components, EqualFloodFillOnRandomMasks) {
     }
     EXPECT_EQ(inRuns, static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1)));
   }
-}
-
-TEST(Otsu, SplitsTwoAndThreeLevels) {
-  Volume v = valuesVolume({300, 1, 1}, {});
-  std::mt19937 random(5);
-  for (int i = 0; i < 300; ++i) {
-    const int level = i < 150 ? 0 : (i < 240 ? 100 : 200);
-    v.int16.push_back(static_cast<std::int16_t>(level + static_cast<int>(random() % 20)));
-  }
-  const auto [low, high] = otsuThresholds2(v);
-  EXPECT_GT(low, 19.0);
-  EXPECT_LE(low, 100.0);
-  EXPECT_GT(high, 119.0);
-  EXPECT_LE(high, 200.0);
-  const double one = otsuThreshold(v);
-  EXPECT_GT(one, 19.0);
-  EXPECT_LE(one, 100.0);
 }
 
 TEST(Presets, UnknownNameIsRefusedWithTheList) {

@@ -139,6 +139,8 @@ def largest(count):
 
 def near(case, mask, mm):
     """Within mm of the mask, centre to centre: an exact distance in double precision."""
+    if not mask.any():
+        return mask  # SciPy would measure from nowhere
     return ndimage.distance_transform_edt(~mask, sampling=case.sampling) <= mm * (1 + 1e-9)
 
 
@@ -171,6 +173,21 @@ def blurred(case, mask, mm):
     """The kernel cut at the scan's edge is scaled to one, as VTK does."""
     blur = lambda a: ndimage.gaussian_filter(a, mm / case.sampling, mode="constant", truncate=3.0)
     return blur(mask.astype(np.float32)) > 0.5 * blur(np.ones(mask.shape, np.float32))
+
+
+def long_parts(case, mask, mm):
+    """The 26-connected parts whose box, voxels whole, has a diagonal of mm or more."""
+    labels, _ = ndimage.label(mask, CORNERS)
+    sides = [[s.stop - s.start for s in box] * case.sampling for box in ndimage.find_objects(labels)]
+    return np.array([False] + [np.linalg.norm(side) >= mm for side in sides])[labels]
+
+
+def thin(case, mask, mm):
+    """What smoothing keeps (smooth.cpp): no ball fits, beside what is a ball's radius from any."""
+    radius = max(mm, case.spacing.max())
+    balls = opened(case, mask, radius)
+    middle = mask & ~dilated(case, balls, radius)
+    return long_parts(case, mask & ~balls & dilated(case, middle, 2 * radius), 6 * mm)
 
 
 def grown(mask, voxel):
@@ -326,6 +343,8 @@ def mask_rows(rows, case, low, high, split=True):
              mm=mm)
     tool("smooth 1 mm, `keep_thin` off", "scipy gaussian_filter", lambda: blurred(case, bone, 1.0),
          0.995, tool="smooth", mm=1.0, keep_thin=False)
+    tool("smooth 1 mm", "scipy gaussian_filter, distances, label",
+         lambda: blurred(case, bone, 1.0) | thin(case, bone, 1.0), 0.995, tool="smooth", mm=1.0)
     rows.row(case, "grow from a seed", "scipy label",
              step(tool="grow", label="bone", seeds=[case.point(*seed)], threshold=[low, high]), "bone",
              lambda: grown(bone, seed))
@@ -383,14 +402,12 @@ def ct_rows(rows, case, scan):
 
 
 def mr_rows(rows, case):
-    # Ours leaves the brightest thousandth out of the histogram. Both count in 256 bins of 0.8 grey
-    # values, so each may be a whole value off: over all values the best are 50 (both are within one)
-    # and 38, 93 (ours takes 94, scikit-image 92). One value is 3.5 % of the brain.
-    grey = np.minimum(case.grey, np.quantile(case.grey, 0.999)).astype(np.float64)
+    # Ours leaves the brightest thousandth out. scikit-image counts whole numbers one by one, too.
+    grey = np.minimum(case.grey, np.quantile(case.grey, 0.999, method="lower"))
     rows.row(case, "preset mr-tissue", "skimage threshold_otsu", step(preset="mr-tissue"), "tissue",
-             lambda: grey > filters.threshold_otsu(grey, 256), 0.99)
+             lambda: grey > filters.threshold_otsu(grey))
     rows.row(case, "preset mr-brain", "skimage threshold_multiotsu", step(preset="mr-brain"), "brain",
-             lambda: grey > filters.threshold_multiotsu(grey, 3, 256)[1], 0.96)
+             lambda: grey > filters.threshold_multiotsu(grey, 3)[1])
     if os.path.exists(MR_BRAIN):
         head = Case(case.palpate, "brain", MR_BRAIN, case.work)
         # A start, not a result (imaging/README.md): the number is what is known of it.

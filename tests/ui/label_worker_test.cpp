@@ -195,6 +195,17 @@ TEST_F(Worker, AnotherCaseHearsNothingOfTheLast) {
   EXPECT_TRUE(all().empty());
 }
 
+/// Under the thread sanitizer this shows what open() shares with a surface that is being made.
+TEST_F(Worker, ACaseIsOpenedWhileAnotherIsDrawn) {
+  for (int i = 0; i < 60; ++i) {
+    worker.commit(bone());
+    std::this_thread::sleep_for(std::chrono::microseconds(400 * i));
+    worker.open(cubes(), nullptr, 1 + i % 2);
+    EXPECT_FALSE(worker.poll());
+  }
+  EXPECT_TRUE(all().empty());
+}
+
 TEST_F(Worker, CancelStopsWhatRunsAndForgetsWhatWaits) {
   for (int i = 0; i < 20; ++i) worker.commit(bone());
   worker.cancel();

@@ -122,6 +122,47 @@ TEST(Brush, AnObliqueDiskIsAboutOneVoxelThick) {
   });
 }
 
+/// Half a voxel's extent along the normal on either side; a path off the plane of its first point
+/// counts by its foot, a normal by its direction.
+TEST(Brush, AnObliqueDiskIsAsThickAsAVoxelAlongItsNormal) {
+  forSamples(400, [](Random& random, Sample& s) {
+    const GridGeometry& g = s.geometry();
+    tool::Brush tool;
+    const Eigen::Vector3d normal = random.point(-1, 1).normalized();
+    tool.normal = normal * random.real(0.1, 9.0);
+    tool.radius_mm = random.real(0.2, 4.0);
+    tool.path_mm = randomPath(random, s);
+    const Eigen::Vector3d first = tool.path_mm.front();
+    std::vector<Eigen::Vector3d> feet;
+    for (const Eigen::Vector3d& p : tool.path_mm) {
+      feet.emplace_back(p - normal * normal.dot(p - first));
+    }
+    const Eigen::Vector3d n_V = g.X_PV.linear().transpose() * normal;
+    const double half = 0.5e3 * n_V.cwiseAbs().dot(g.spacing);
+    Mask stroke(s.size(), 0);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const Eigen::Vector3d p = centre_mm(g, i);
+      const double away = normal.dot(p - first);
+      const Eigen::Vector3d foot = p - normal * away;
+      const bool in = (foot - nearestOnPath(feet, foot)).norm() <= tool.radius_mm;
+      stroke[i] = in && std::abs(away) < half ? 1 : 0;
+    }
+    expectEdit(s, tool, randomLimits(random), stroked(s, stroke, false));
+  });
+}
+
+TEST(Brush, ADiskReachesItsRimAndLiesInOneOfTwoSlices) {
+  for (const double z : {4.0, 4.5}) {
+    Sample s = plainSample({9, 9, 9}, {1, 1, 1});
+    tool::Brush tool{.radius_mm = 3.0};
+    tool.path_mm = {{4, 4, z}};
+    tool.normal = Eigen::Vector3d(0, 0, 1);
+    const auto after = applied(s, tool);
+    ASSERT_TRUE(after) << sentence(after.error());
+    EXPECT_EQ(voxelsOf(after->labels, kValue), 29U) << "pairs with i² + j² <= 9, at " << z;
+  }
+}
+
 TEST(Brush, TheNormalIsADirection) {
   Sample s = plainSample({9, 9, 9}, {1, 1, 1});
   tool::Brush tool{.radius_mm = 3.2};

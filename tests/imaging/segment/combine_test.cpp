@@ -90,6 +90,18 @@ TEST(Combine, AWholeNumberOfVoxelsOfGrowthIsReached) {
   }
 }
 
+TEST(Combine, ALabelWithItselfIsRefused) {
+  Sample s = plainSample({3, 1, 1}, {1, 1, 1});
+  s.before.labels.labels = {0, kValue, kValue};
+  for (const auto operation : {tool::Combine::Operation::Add, tool::Combine::Operation::Subtract,
+                               tool::Combine::Operation::Intersect}) {
+    for (const double mm : {0.0, 1.0}) {
+      expectRefused(s, tool::Combine{.operation = operation, .other = kLabel, .grown_mm = mm},
+                    ErrorKind::InputRefused);
+    }
+  }
+}
+
 TEST(Combine, ALabelThatIsNotThereIsRefused) {
   Sample s = plainSample({3, 1, 1}, {1, 1, 1});
   s.before.labels.labels = {kValue, 9, 1};

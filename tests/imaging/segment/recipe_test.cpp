@@ -718,13 +718,18 @@ TEST(InlineSteps, AreRefusedByStepAndKey) {
   const auto broken = readSteps(
       {"preset = 'ct-bone'", "tool = 'margin', label = 'bone', operation = 'close', mm = -2"});
   ASSERT_FALSE(broken);
-  EXPECT_NE(broken.error().field.value_or("").find("mm"), std::string::npos)
-      << sentence(broken.error());
+  EXPECT_EQ(broken.error().field, "step[1].mm") << sentence(broken.error());
+  EXPECT_EQ(broken.error().kind, ErrorKind::Usage);
   for (const char* text : {"", "tool", "tool = 'margin', colour = 1", "a = 1 } , { b = 2",
                            "preset = 'ct-bone' }\n[[step]]\npreset = 'ct-air'\nx = { y = 1",
-                           "preset = 'ct-bone'\nlargest = true ]"}) {
-    EXPECT_FALSE(readSteps({text})) << text;
+                           "preset = 'ct-bone'\nlargest = true ]", "\xc3\xa9 = 1",
+                           "preset = \xe2\x80\x99"
+                           "ct-bone\xe2\x80\x99"}) {
+    const auto refused = readSteps({text});
+    ASSERT_FALSE(refused) << text;
+    EXPECT_EQ(refused.error().kind, ErrorKind::Usage) << text;
   }
+  EXPECT_TRUE(readSteps({"tool = 'remove', label = 'Z\xc3\xa4hne'"}));
 }
 
 TEST(PackedLabels, UnpackToTheLastVoxel) {

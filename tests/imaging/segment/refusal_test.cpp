@@ -56,6 +56,28 @@ TEST(Refusal, Lengths) {
   }
 }
 
+TEST(Refusal, LengthsBeyondTheLargest) {
+  constexpr double kMost_mm = 200.0;
+  EXPECT_TRUE(applied(cube(), tool::Margin{.mm = kMost_mm}));
+  EXPECT_TRUE(applied(cube(), tool::Brush{.path_mm = {kIn}, .radius_mm = kMost_mm}));
+  const double mm = kMost_mm + 0.01;
+  expectUsage({{"margin", tool::Margin{.mm = mm}},
+               {"smooth", tool::Smooth{.mm = mm}},
+               {"brush", tool::Brush{.path_mm = {kIn}, .radius_mm = mm}},
+               {"combine", tool::Combine{.other = "bone", .grown_mm = mm}},
+               {"grow", tool::GrowRegion{.seeds_mm = {kIn}, .range = {0, 0}, .reach_mm = 10000.1}},
+               {"split", tool::Split{.seeds = {{kLabel, {kIn}}}, .radius_mm = 50.01}}});
+  EXPECT_TRUE(applied(cube(), tool::Split{.seeds = {{kLabel, {kIn}}}, .radius_mm = 50.0}));
+}
+
+TEST(Refusal, MorePartsThanASplitHas) {
+  tool::Split tool;
+  tool.seeds.assign(250, {kLabel, {kIn}});
+  EXPECT_TRUE(applied(cube(), tool));
+  tool.seeds.push_back(tool.seeds.back());
+  expectUsage({{"split", tool}});
+}
+
 TEST(Refusal, Volumes) {
   for (const double mm3 : {-1.0, -1e-9, kNan}) {
     SCOPED_TRACE(mm3);

@@ -63,6 +63,25 @@ TEST(Slabs, BlurAsTheWhole) {
   expectSlabsEqualTheWhole(blurAndCut, 3.0);
 }
 
+/// 2.4 / 0.8 is a little less than 3 in binary numbers.
+TEST(Slabs, AWholeNumberOfSlicesIsReachedAcrossTheirBorder) {
+  const Progress progress;
+  MaskBlock block;
+  block.dims = {2, 2, 20};
+  block.box = {{0, 0, 0}, {1, 1, 19}};
+  block.spacing_mm = {1.0, 1.0, 0.8};
+  block.voxels.assign(80, 0);
+  block.slabBytes = 0;
+  for (std::int32_t z = 0; z < 20; ++z) {
+    MaskBlock one = block;
+    one.voxels[one.index(0, 0, z)] = kMask;
+    ASSERT_TRUE(dilate(one, kMask, kA, 2.4, {progress}));
+    for (std::int32_t k = 0; k < 20; ++k) {
+      EXPECT_EQ((one.voxels[one.index(0, 0, k)] & kA) != 0, std::abs(k - z) <= 3) << z << " " << k;
+    }
+  }
+}
+
 TEST(Slabs, OneHoldsAtLeastASliceAndItsBorders) {
   MaskBlock block;
   block.dims = {10, 10, 100};

@@ -89,6 +89,47 @@ TEST(Smooth, IsAGaussianCutAtOneHalf) {
 }
 
 /// Its oracle in the large: each spacing and deviation meets its own axis.
+/// A sampled Gaussian cut at three deviations, whole voxels; what of it is beyond the scan counts
+/// for nothing, the rest is scaled to one.
+std::vector<double> cutBlur(const Mask& mask, const GridGeometry& g, double mm) {
+  std::vector<double> values(mask.begin(), mask.end());
+  for (int axis = 0; axis < 3; ++axis) {
+    const double deviation = mm / (g.spacing[axis] * 1e3);
+    const int reach = static_cast<int>(3.0 * deviation);
+    std::vector<double> next(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Voxel v = voxelOf(g, i);
+      double sum = 0.0;
+      double weights = 0.0;
+      for (int d = -reach; d <= reach; ++d) {
+        std::array<int, 3> at{v.i, v.j, v.k};
+        at[static_cast<std::size_t>(axis)] += d;
+        if (!g.contains(at[0], at[1], at[2])) continue;
+        const double weight = std::exp(-0.5 * std::pow(d / deviation, 2));
+        weights += weight;
+        sum += weight * values[g.index(at[0], at[1], at[2])];
+      }
+      next[i] = sum / weights;
+    }
+    values = std::move(next);
+  }
+  return values;
+}
+
+TEST(Smooth, EqualsItsOwnGaussianToRounding) {
+  forSamples(200, [](Random& random, Sample& s) {
+    const double mm = random.real(0.2, 3.0);
+    const std::vector<double> blur = cutBlur(s.label(), s.geometry(), mm);
+    Mask wanted(s.size()), either(s.size());
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      wanted[i] = blur[i] > 0.5 ? 1 : 0;
+      either[i] = std::abs(blur[i] - 0.5) < 1e-5 ? 1 : 0;  // VTK sums in single precision
+    }
+    expectEditOrRefusal(s, tool::Smooth{.mm = mm, .keepThin = false}, randomLimits(random), wanted,
+                        either);
+  });
+}
+
 TEST(Smooth, TheDeviationIsInMillimetresOnEachAxis) {
   // A plate of thickness t keeps its middle while erf(t / 2√2σ) > 1/2, that is t > 1.349 σ.
   for (int axis = 0; axis < 3; ++axis) {
@@ -207,6 +248,107 @@ TEST(Smooth, SixTimesTheDeviationDividesBarsFromGrains) {
       EXPECT_EQ(left(bar(shorter), mm, true).first, 0U) << mm;
     }
   }
+}
+
+TEST(Smooth, ALengthIsTheDiagonalOfAPartsBox) {
+  const auto bar = [](int voxels) {
+    return Shape{"oblique bar", [=](const Voxel& v) {
+                   return v.i == v.j && v.j == v.k && v.i >= 30 && v.i < 30 + voxels;
+                 }};
+  };
+  EXPECT_EQ(left(bar(8), 1.0, true).first, 8U);  // 6.9 mm, of 4 mm along each axis
+  EXPECT_EQ(left(bar(6), 1.0, true).first, 0U);  // 5.2 mm
+}
+
+/// Within mm of the mask, all pairs of centres.
+Mask within(const GridGeometry& g, const Mask& mask, double mm) {
+  Mask near(mask.size(), 0);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] == 0) continue;
+    const Eigen::Vector3d from = centre_mm(g, i);
+    for (std::size_t j = 0; j < mask.size(); ++j) {
+      if (near[j] == 0 && (centre_mm(g, j) - from).squaredNorm() <= mm * mm * (1.0 + 1e-5)) {
+        near[j] = 1;
+      }
+    }
+  }
+  return near;
+}
+
+/// What smooth.cpp says is thin: no ball fits into it, and it is within two radii of what is
+/// farther than one from every ball, in pieces six deviations long.
+Mask thinOf(const Sample& s, double mm) {
+  const GridGeometry& g = s.geometry();
+  const Eigen::Vector3d spacing_mm = g.spacing * 1e3;
+  const double radius = std::max(mm, spacing_mm.maxCoeff());
+  const Mask mask = s.label();
+  Mask outside(mask.size()), middle(mask.size()), core(mask.size()), thin(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) outside[i] = mask[i] == 0 ? 1 : 0;
+  const Mask shrunk = within(g, outside, radius);
+  for (std::size_t i = 0; i < mask.size(); ++i) core[i] = shrunk[i] == 0 ? 1 : 0;
+  const Mask balls = within(g, core, radius);
+  const Mask beside = within(g, balls, radius);
+  for (std::size_t i = 0; i < mask.size(); ++i) middle[i] = mask[i] != 0 && beside[i] == 0 ? 1 : 0;
+  const Mask around = within(g, middle, 2.0 * radius);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    thin[i] = mask[i] != 0 && balls[i] == 0 && around[i] != 0 ? 1 : 0;
+  }
+  for (const Part& part : partsOf(thin, g, 26)) {
+    Eigen::Array3d low = Eigen::Array3d::Constant(1e9), high = -low;
+    for (const std::size_t i : part) {
+      const Voxel v = voxelOf(g, i);
+      low = low.min(Eigen::Array3d(v.i, v.j, v.k));
+      high = high.max(Eigen::Array3d(v.i, v.j, v.k));
+    }
+    if (((high - low + 1.0) * spacing_mm.array()).matrix().norm() >= 6.0 * mm) continue;
+    for (const std::size_t i : part) thin[i] = 0;
+  }
+  return thin;
+}
+
+/// Boxes of any shape, sheets and bars among them, that touch or stand apart.
+Sample randomBoxes(Random& random) {
+  Sample s = plainSample({random.whole(8, 16), random.whole(8, 13), random.whole(6, 11)},
+                         random.point(0.4, 1.1));
+  for (int n = random.whole(1, 5); n > 0; --n) {
+    std::array<int, 3> low{}, high{};
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = random.whole(0, s.geometry().dims[d] - 1);
+      high[d] = random.chance(40) ? low[d] : low[d] + random.whole(0, 12);
+    }
+    fill(s, [&](const Voxel& v) {
+      return v.i >= low[0] && v.i <= high[0] && v.j >= low[1] && v.j <= high[1] && v.k >= low[2] &&
+             v.k <= high[2];
+    });
+  }
+  return s;
+}
+
+TEST(Smooth, KeepThinAddsWhatItsDefinitionSays) {
+  std::size_t added = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const Sample s = randomBoxes(random);
+    const double mm = random.real(0.3, 1.2);
+    const auto plain = applied(s, tool::Smooth{.mm = mm, .keepThin = false});
+    const auto kept = applied(s, tool::Smooth{.mm = mm});
+    Mask wanted = thinOf(s, mm);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const bool in = plain && plain->labels.labels[i] == kValue;
+      if (!in && wanted[i] != 0) ++added;
+      if (in) wanted[i] = 1;
+    }
+    if (countOf(wanted) == 0) {
+      EXPECT_FALSE(kept);
+      continue;
+    }
+    ASSERT_TRUE(kept) << sentence(kept.error());
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      ASSERT_EQ(kept->labels.labels[i] == kValue, wanted[i] != 0) << i << ", " << mm << " mm";
+    }
+  }
+  EXPECT_GT(added, 500U) << "the samples show too little";
 }
 
 /// A slab through the whole scan, so that it has no edge of its own.

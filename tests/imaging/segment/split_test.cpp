@@ -64,8 +64,9 @@ void randomLevels(Random& random, Sample& s, std::size_t levels) {
   }
 }
 
-/// Meyer's flooding, the brightest first, then who came first; 0 where no seed gets.
-Mask meyer(const Sample& s, const Flood& flood) {
+/// Meyer's flooding, the highest level first, then who came first; 0 where no seed gets. Seeds come
+/// before all.
+Mask meyer(const Sample& s, const Flood& flood, const std::vector<double>& levels) {
   struct Entry {
     double level;
     std::size_t order, voxel;
@@ -78,7 +79,7 @@ Mask meyer(const Sample& s, const Flood& flood) {
   Mask owner(s.size(), 0);
   for (std::size_t n = 0; n < flood.seeds.size(); ++n) {
     owner[flood.seeds[n]] = flood.values[n];
-    queue.push({s.volume.value(flood.seeds[n]), order++, flood.seeds[n]});
+    queue.push({std::numeric_limits<double>::infinity(), order++, flood.seeds[n]});
   }
   while (!queue.empty()) {
     const Entry from = queue.top();
@@ -86,10 +87,47 @@ Mask meyer(const Sample& s, const Flood& flood) {
     forNeighbours(s.geometry(), from.voxel, 26, [&](std::size_t next) {
       if (!s.holds(next) || owner[next] != 0) return;
       owner[next] = owner[from.voxel];
-      queue.push({s.volume.value(next), order++, next});
+      queue.push({levels[next], order++, next});
     });
   }
   return owner;
+}
+
+std::vector<double> brightness(const Sample& s) {
+  std::vector<double> levels(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) levels[i] = s.volume.value(i);
+  return levels;
+}
+
+/// Grey values a millimetre, the steepest lowest; central differences, one-sided at the scan's
+/// edge.
+std::vector<double> smoothness(const Sample& s) {
+  const GridGeometry& g = s.geometry();
+  std::vector<double> levels(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Voxel v = voxelOf(g, i);
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::array<std::int32_t, 3> low{v.i, v.j, v.k}, high = low;
+      const auto a = static_cast<std::size_t>(axis);
+      if (low[a] > 0) --low[a];
+      if (high[a] + 1 < g.dims[a]) ++high[a];
+      const double mm = (high[a] - low[a]) * g.spacing[axis] * 1e3;
+      if (mm == 0.0) continue;
+      slope[axis] = (s.volume.value(g.index(high[0], high[1], high[2])) -
+                     s.volume.value(g.index(low[0], low[1], low[2]))) /
+                    mm;
+    }
+    levels[i] = -slope.norm();
+  }
+  return levels;
+}
+
+/// No two nearer than rounding.
+bool allDiffer(std::vector<double> levels) {
+  std::sort(levels.begin(), levels.end());
+  return std::adjacent_find(levels.begin(), levels.end(),
+                            [](double a, double b) { return b - a < 1e-6; }) == levels.end();
 }
 
 LabelGrid expectedOf(const Sample& s, const Mask& owner, const EditLimits& limits) {
@@ -122,7 +160,7 @@ TEST(Split, EqualsMeyersFloodingWhereAllLevelsDiffer) {
     if (random.chance(25)) {
       limits.only = ThresholdRange{static_cast<double>(random.whole(-210, 300)), 40000.0};
     }
-    const LabelGrid expected = expectedOf(s, meyer(s, flood), limits);
+    const LabelGrid expected = expectedOf(s, meyer(s, flood, brightness(s)), limits);
     const auto after = applied(s, flood.tool, limits);
     if (!after) {
       EXPECT_EQ(voxelsOf(expected, kValue), 0U) << sentence(after.error()) << "\n" << describe(s);
@@ -132,6 +170,24 @@ TEST(Split, EqualsMeyersFloodingWhereAllLevelsDiffer) {
     EXPECT_TRUE(sameLabels(expected, after->labels)) << describe(s);
     EXPECT_TRUE(sameTable(after->table, s.before.table));
   });
+}
+
+TEST(Split, ByEdgesEqualsMeyersFloodingOfTheSteepness) {
+  int compared = 0;
+  forFloods(500, 0, [&](Random&, Sample& s, Flood& flood) {
+    flood.tool.by = By::Edges;
+    const std::vector<double> levels = smoothness(s);
+    if (!allDiffer(levels)) return;
+    ++compared;
+    const LabelGrid expected = expectedOf(s, meyer(s, flood, levels), {});
+    const auto after = applied(s, flood.tool);
+    if (!after) {
+      EXPECT_EQ(voxelsOf(expected, kValue), 0U) << sentence(after.error()) << "\n" << describe(s);
+      return;
+    }
+    EXPECT_TRUE(sameLabels(expected, after->labels)) << describe(s);
+  });
+  EXPECT_GT(compared, 200);
 }
 
 /// The brightest level at which each voxel is joined to one of the seeds, by lowering the water.
