@@ -14,6 +14,7 @@ palpate_library(desktop
     desktop_segment.cpp
     desktop_signals.cpp
     desktop_simulation.cpp
+    frame_report.cpp
     label_worker.cpp
     series_rows.cpp
   PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring

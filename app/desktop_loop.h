@@ -18,6 +18,7 @@
 #include "app/desktop_recent.h"
 #include "app/desktop_review.h"
 #include "app/desktop_simulation.h"
+#include "app/frame_report.h"
 #include "app/label_worker.h"
 #include "core/devices/device_list.h"
 #include "core/scene/material.h"
@@ -135,7 +136,8 @@ class Desktop {
   std::optional<ui::UiScript> script_;
   std::deque<float> forceTrace_;
   std::string sceneInstrument_;
-  Histogram frames_;  ///< Of a soak: what a frame takes.
+  Histogram frames_;         ///< Of a soak: what a frame takes.
+  FrameReport frameReport_;  ///< Of a script.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;
   LabelWorker labelWorker_;
