@@ -157,7 +157,7 @@ bool Desktop::mayClose() {
 
 Result<bool> Desktop::scriptFrame(std::optional<fs::path>& screenshot) {
   if (!script_ || script_->finished()) return false;
-  auto input = script_->next(workspace_->items(), !busy());
+  auto input = script_->next(workspace_->items(), !busy() && !workspace_->sending());
   if (!input) return fail(input.error());
   window_->inject(*input);
   if (input->phase) frameReport_.begin(*input->phase);

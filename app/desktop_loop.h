@@ -57,7 +57,7 @@ class Desktop {
   // desktop_import.cpp: the library
   void openFirstCase();
   void openCase(const std::filesystem::path& folder);
-  void showCase(OpenCase open);
+  void showCase(OpenCase open, CaseView view);
   void openDemo();
   void importScan(const std::filesystem::path& path);
   void importSeries(const std::filesystem::path& path, const std::string& uid,
@@ -78,7 +78,7 @@ class Desktop {
   };
   enum class Restoring : std::uint8_t { No, Undo, Redo };
   void openLabels();
-  void takeLabels(const SharedLabels& state);
+  void takeLabels(const SharedLabels& labels);
   void pollLabels();
   void takeOutcome(LabelWorker::Outcome& outcome);
   void takePreview(const LabelWorker::Outcome& outcome);
@@ -96,7 +96,7 @@ class Desktop {
   void leaveSegment();
   void describeUndo();
   [[nodiscard]] int meshStep() const;
-  [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const LabelState& state) const;
+  [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const CountedLabels& labels) const;
 
   // desktop_scene.cpp: what is felt
   void readDatasets();
@@ -124,8 +124,8 @@ class Desktop {
   Restoring restoring_ = Restoring::No;
   std::deque<std::function<void()>> afterSteps_;  ///< Asked for while a step ran.
   CaseRecipe recipe_;
-  std::map<std::uint8_t, std::vector<SurfaceChunk>> surfaces_;  ///< Of the labels as they are.
-  std::set<std::uint8_t> previewed_;  ///< Whose drawn surface is a preview's.
+  std::map<std::uint8_t, ui::SharedChunks> surfaces_;  ///< Of the labels as they are.
+  std::set<std::uint8_t> previewed_;                   ///< Whose drawn surface is a preview's.
   bool unsaved_ = false;
   std::vector<Instrument> instruments_;
   std::vector<Material> materials_;

@@ -9,12 +9,10 @@
 namespace palpate {
 namespace {
 
-std::uint64_t voxelsOf(const LabelState& state, const std::string& label) {
-  const auto row = std::find_if(state.table.begin(), state.table.end(),
+std::uint64_t voxelsOf(const CountedLabels& labels, const std::string& label) {
+  const auto row = std::find_if(labels.table.begin(), labels.table.end(),
                                 [&label](const LabelInfo& l) { return l.name == label; });
-  if (row == state.table.end()) return 0;
-  return static_cast<std::uint64_t>(
-      std::count(state.labels.labels.begin(), state.labels.labels.end(), row->value));
+  return row == labels.table.end() ? 0 : labels.voxels[row->value];
 }
 
 }  // namespace
@@ -40,7 +38,7 @@ void LabelWorker::open(std::shared_ptr<const Volume> volume, SharedLabels labels
   waiting_.clear();
   outcomes_.clear();
   volume_ = std::move(volume);
-  labels_ = labels ? std::move(labels) : std::make_shared<const LabelState>();
+  labels_ = labels ? std::move(labels) : countedLabels({});
   previewed_.reset();
   meshStep_ = meshStep;
 }
@@ -85,7 +83,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
 SharedLabels LabelWorker::setTable(const LabelTable& table) {
   dropPreview();
   const std::lock_guard lock(mutex_);
-  auto changed = std::make_shared<LabelState>(*labels_);
+  auto changed = std::make_shared<CountedLabels>(*labels_);  // the voxels are shared
   changed->table = table;
   labels_ = std::move(changed);
   return labels_;
@@ -180,19 +178,18 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 }
 
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
-                                              const LabelState& before) {
+                                              const CountedLabels& before) {
   if (request.kind == Kind::Restored) {
-    return std::make_shared<const LabelState>(
-        LabelState{request.state->labels.unpack(), request.state->table});
+    return countedLabels({request.state->labels.unpack(), request.state->table});
   }
   {
     const std::lock_guard lock(mutex_);
     if (previewed_ && previewKey_ == recipeText({request.step})) return previewed_;
   }
-  auto after = applyStep(volume, before, request.step, progress());
+  auto after = applyStep(volume, *before.grid, before.table, request.step, progress());
   if (!after) return fail(after.error());
   dressNewRows(before.table, after->table, anatomies_);
-  return std::make_shared<const LabelState>(std::move(*after));
+  return countedLabels(std::move(*after));
 }
 
 void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
@@ -221,7 +218,7 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   }
   if (request.kind != Kind::Preview) {
     outcome.before = std::make_shared<const PackedState>(
-        PackedState{PackedLabels(before->labels), before->table});
+        PackedState{PackedLabels(*before->grid), before->table});
   }
   {
     const std::lock_guard lock(mutex_);
@@ -260,7 +257,7 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
     if (values.contains(row.value)) changed.push_back(row);
   }
   if (changed.empty() && !stays) return;
-  auto surfaces = surfacesOf(after->labels, changed, volume, meshStep_, progress());
+  auto surfaces = surfacesOf(*after->grid, changed, volume, meshStep_, progress());
   if (!surfaces) return;  // cancelled: the next preview brings its own
   Outcome outcome;
   outcome.kind = Kind::Surfaces;
@@ -274,10 +271,10 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
   outcomes_.push_back(std::move(outcome));
 }
 
-std::vector<std::uint8_t> changedLabels(const LabelState& a, const LabelState& b) {
+std::vector<std::uint8_t> changedLabels(const CountedLabels& a, const CountedLabels& b) {
   std::array<bool, 256> changed{};
-  const std::vector<std::uint8_t>&x = a.labels.labels, &y = b.labels.labels;
-  for (std::size_t i = 0; i < std::max(x.size(), y.size()); ++i) {
+  const std::vector<std::uint8_t>&x = a.grid->labels, &y = b.grid->labels;
+  for (std::size_t i = 0; a.grid != b.grid && i < std::max(x.size(), y.size()); ++i) {
     const std::uint8_t before = i < x.size() ? x[i] : std::uint8_t{0};
     const std::uint8_t after = i < y.size() ? y[i] : std::uint8_t{0};
     if (before != after) changed[before] = changed[after] = true;

@@ -23,8 +23,6 @@
 
 namespace palpate {
 
-using SharedLabels = std::shared_ptr<const LabelState>;
-
 /// Labels as they were, for undo and redo.
 struct PackedState {
   PackedLabels labels;
@@ -92,7 +90,7 @@ class LabelWorker {
   void work(const std::stop_token& stop);
   void carryOut(const Request& request, std::uint64_t generation);
   [[nodiscard]] Result<SharedLabels> labelsAfter(const Request& request, const Volume& volume,
-                                                 const LabelState& before);
+                                                 const CountedLabels& before);
   void makeSurfaces(const Request& request, const Volume& volume, const SharedLabels& before,
                     const SharedLabels& after, std::uint64_t generation);
   void deliver(Outcome outcome, std::uint64_t generation);
@@ -119,6 +117,7 @@ class LabelWorker {
 };
 
 /// Values that differ anywhere between two states, or are in one table only.
-[[nodiscard]] std::vector<std::uint8_t> changedLabels(const LabelState& a, const LabelState& b);
+[[nodiscard]] std::vector<std::uint8_t> changedLabels(const CountedLabels& a,
+                                                      const CountedLabels& b);
 
 }  // namespace palpate

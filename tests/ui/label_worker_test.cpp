@@ -46,7 +46,7 @@ struct Worker : testing::Test {
     return outcomes;
   }
   static std::int64_t count(const SharedLabels& labels) {
-    return std::count(labels->labels.labels.begin(), labels->labels.labels.end(), 1);
+    return std::count(labels->grid->labels.begin(), labels->grid->labels.end(), 1);
   }
   LabelWorker worker;
 };
@@ -59,7 +59,7 @@ TEST_F(Worker, AStepGivesItsLabelsThenTheirSurfaces) {
   EXPECT_EQ(count(outcomes[0].labels), 64001);
   EXPECT_EQ(outcomes[1].kind, Kind::Surfaces);
   ASSERT_EQ(outcomes[1].surfaces.size(), 1U);
-  EXPECT_FALSE(outcomes[1].surfaces[0].chunks.empty());
+  EXPECT_FALSE(outcomes[1].surfaces[0].chunks->empty());
   EXPECT_FALSE(worker.busy());
 }
 
@@ -119,7 +119,7 @@ TEST_F(Worker, StepsBuildOnEachOtherAndComeBackOneByOne) {
     const auto outcomes = all();
     ASSERT_FALSE(outcomes.empty());
     EXPECT_EQ(outcomes[0].kind, Kind::Restored);
-    EXPECT_EQ(outcomes[0].labels->labels.labels, steps[i - 1].labels->labels.labels);
+    EXPECT_EQ(outcomes[0].labels->grid->labels, steps[i - 1].labels->grid->labels);
   }
 }
 
@@ -160,6 +160,17 @@ TEST_F(Worker, ANewTableOutlivesThePreviewThatRan) {
   }
 }
 
+/// On a large scan the voxels are hundreds of megabytes: a name does not copy them.
+TEST_F(Worker, ATableEditSharesTheVoxelsAndTheirCounts) {
+  worker.commit(bone());
+  const SharedLabels made = all()[0].labels;
+  const SharedLabels set = worker.setTable({LabelInfo{.name = "skull"}});
+  EXPECT_EQ(set->grid, made->grid);
+  EXPECT_EQ(set->table[0].name, "skull");
+  EXPECT_EQ(labelRows(*set)[0].voxels, 64001U);
+  EXPECT_EQ(made->table[0].name, "bone");
+}
+
 /// Strokes come faster than surfaces: those in between are left out, none is forgotten.
 TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
   for (int i = 0; i < 12; ++i) {
@@ -168,7 +179,7 @@ TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
         {i % 2 == 0 ? "even" : "odd", tool::Brush{{{at, at, at}}, 2.0, {}, false}, {}, {}});
   }
   worker.commit({"even", tool::Margin{tool::Margin::Operation::Erode, 100.0}, {}, {}});  // refused
-  std::map<std::uint8_t, std::vector<SurfaceChunk>> drawn;
+  std::map<std::uint8_t, ui::SharedChunks> drawn;
   SharedLabels last;
   for (auto& outcome : all()) {
     if (outcome.kind == Kind::Step && outcome.labels) last = outcome.labels;
@@ -177,11 +188,11 @@ TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
   ASSERT_TRUE(last);
   ASSERT_EQ(drawn.size(), 2U);
   for (const auto& [value, chunks] : drawn) {
-    const auto expected = meshLabel(last->labels, value, 1);
+    const auto expected = meshLabel(*last->grid, value, 1);
     ASSERT_TRUE(expected);
-    ASSERT_EQ(chunks.size(), expected->size());
-    for (std::size_t i = 0; i < chunks.size(); ++i) {
-      EXPECT_EQ(chunks[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
+    ASSERT_EQ(chunks->size(), expected->size());
+    for (std::size_t i = 0; i < chunks->size(); ++i) {
+      EXPECT_EQ((*chunks)[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
     }
   }
 }
@@ -217,13 +228,11 @@ TEST(PackedLabels, ComeBackEqual) {
 }
 
 TEST(ChangedLabels, AreThoseWhoseVoxelsOrRowsDiffer) {
-  LabelState a, b;
-  a.labels.labels = {0, 1, 1, 2, 3};
-  b.labels.labels = {0, 1, 4, 2, 3};
-  a.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}};
-  b.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}};
-  EXPECT_EQ(changedLabels(a, b), (std::vector<std::uint8_t>{1, 4, 5}));
-  EXPECT_TRUE(changedLabels(a, a).empty());
+  const auto a =
+      countedLabels({{{}, {0, 1, 1, 2, 3}}, {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}}});
+  const auto b = countedLabels({{{}, {0, 1, 4, 2, 3}}, {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}}});
+  EXPECT_EQ(changedLabels(*a, *b), (std::vector<std::uint8_t>{1, 4, 5}));
+  EXPECT_TRUE(changedLabels(*a, *a).empty());
 }
 
 }  // namespace
