@@ -264,7 +264,7 @@ void Desktop::saveLabels() {
       if (open_ && open_->labels == labels) unsaved_ = false;
     };
   };
-  jobs_.addLatest("Saving the labels", save);
+  jobs_.addLatest("Saving the labels", save, false);
 }
 
 void Desktop::saveBeforeClosing() {

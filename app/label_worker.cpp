@@ -9,6 +9,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kWork = 0.9;  // of the progress; the rest is keeping the labels for undo
+
 std::uint64_t voxelsOf(const CountedLabels& labels, const std::string& label) {
   const auto row = std::find_if(labels.table.begin(), labels.table.end(),
                                 [&label](const LabelInfo& l) { return l.name == label; });
@@ -66,8 +68,12 @@ void LabelWorker::commit(const LabelStep& step) {
   if (!volume_) return;
   std::erase_if(waiting_, [](const Request& r) { return r.kind == Kind::Preview; });
   const std::string key = recipeText({step});
-  const bool same = running_ && recipeText({running_->step}) == key;
-  if (running_ && running_->kind == Kind::Preview && !same) cancel_->cancel();
+  if (running_ && running_->kind == Kind::Preview) {
+    const bool same = recipeText({running_->step}) == key;
+    const bool made = previewed_ && previewKey_ == key;  // only its surface is missing
+    if (!same || made) cancel_->cancel();
+  }
+  if (drawing_) cancel_->cancel();  // of labels that are soon out of date
   waiting_.push_back({Kind::Step, step, {}});
   wake_.notify_all();
 }
@@ -76,6 +82,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
   dropPreview();
   const std::lock_guard lock(mutex_);
   if (!volume_ || !state) return;
+  if (drawing_) cancel_->cancel();
   waiting_.push_back({Kind::Restored, {}, std::move(state)});
   wake_.notify_all();
 }
@@ -121,13 +128,21 @@ void LabelWorker::finish() {
   idle_.wait(lock, [this] { return !running_ && waiting_.empty(); });
 }
 
+const LabelWorker::Request* LabelWorker::shown() const {
+  if (running_ && running_->kind != Kind::Preview) return &*running_;
+  const auto step = std::find_if(waiting_.begin(), waiting_.end(),
+                                 [](const Request& r) { return r.kind != Kind::Preview; });
+  return step == waiting_.end() ? nullptr : &*step;
+}
+
 ui::JobModel LabelWorker::model() const {
   const std::lock_guard lock(mutex_);
   ui::JobModel model;
-  if (!running_ || running_->kind == Kind::Preview) return model;
+  const Request* request = shown();
+  if (request == nullptr) return model;
   model.active = true;
   model.title =
-      running_->kind == Kind::Restored ? "Restoring the labels" : toolTitle(running_->step.tool);
+      request->kind == Kind::Restored ? "Restoring the labels" : toolTitle(request->step.tool);
   if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
@@ -135,12 +150,12 @@ ui::JobModel LabelWorker::model() const {
   return model;
 }
 
-Progress LabelWorker::progress() {
+Progress LabelWorker::progress(double from, double share) {
   Progress progress;
   progress.cancel = cancel_.get();
-  progress.report = [this](double fraction, const std::string& what) {
+  progress.report = [this, from, share](double fraction, const std::string& what) {
     const std::lock_guard lock(mutex_);
-    fraction_ = fraction;
+    fraction_ = from + share * fraction;
     what_ = what;
   };
   return progress;
@@ -180,13 +195,15 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
                                               const CountedLabels& before) {
   if (request.kind == Kind::Restored) {
-    return countedLabels({request.state->labels.unpack(), request.state->table});
+    auto labels = request.state->labels.unpack(progress(0.0, kWork));
+    if (!labels) return fail(labels.error());
+    return countedLabels({std::move(*labels), request.state->table});
   }
   {
     const std::lock_guard lock(mutex_);
     if (previewed_ && previewKey_ == recipeText({request.step})) return previewed_;
   }
-  auto after = applyStep(volume, *before.grid, before.table, request.step, progress());
+  auto after = applyStep(volume, *before.grid, before.table, request.step, progress(0.0, kWork));
   if (!after) return fail(after.error());
   dressNewRows(before.table, after->table, anatomies_);
   return countedLabels(std::move(*after));
@@ -204,7 +221,16 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   Outcome outcome;
   outcome.kind = request.kind;
   outcome.step = request.step;
-  const auto after = labelsAfter(request, *volume, *before);
+  auto after = labelsAfter(request, *volume, *before);
+  if (after && request.kind != Kind::Preview) {
+    auto packed = PackedLabels::pack(*before->grid, progress(kWork, 1.0 - kWork));
+    if (packed) {
+      outcome.before =
+          std::make_shared<const PackedState>(PackedState{std::move(*packed), before->table});
+    } else {
+      after = fail(packed.error());
+    }
+  }
   if (!after) {
     outcome.error = after.error();
     deliver(std::move(outcome), generation);
@@ -215,10 +241,6 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   if (request.kind == Kind::Preview) {
     outcome.voxelsBefore = voxelsOf(*before, request.step.label);
     outcome.voxelsAfter = voxelsOf(**after, request.step.label);
-  }
-  if (request.kind != Kind::Preview) {
-    outcome.before = std::make_shared<const PackedState>(
-        PackedState{PackedLabels(*before->grid), before->table});
   }
   {
     const std::lock_guard lock(mutex_);
@@ -258,7 +280,12 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
   }
   if (changed.empty() && !stays) return;
   auto surfaces = surfacesOf(*after->grid, changed, volume, meshStep_, progress());
-  if (!surfaces) return;  // cancelled: the next preview brings its own
+  if (!surfaces) {  // cancelled: the next preview brings its own, the next step draws these too
+    const std::lock_guard lock(mutex_);
+    drawing_ = false;
+    if (stays) undrawn_ = std::move(values);
+    return;
+  }
   Outcome outcome;
   outcome.kind = Kind::Surfaces;
   outcome.surfacesOfPreview = request.kind == Kind::Preview;

@@ -171,6 +171,36 @@ TEST_F(Worker, ATableEditSharesTheVoxelsAndTheirCounts) {
   EXPECT_EQ(made->table[0].name, "bone");
 }
 
+/// What is applied while it is being previewed is shown, and can be cancelled, like any step.
+TEST_F(Worker, AStepThatWaitsForItsPreviewShowsItsProgress) {
+  worker.commit(bone());
+  (void)all();
+  const LabelStep slow{"bone", tool::Smooth{20.0, true}, {}, {}};
+  worker.preview(slow);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));  // it runs
+  worker.commit(slow);
+  const ui::JobModel model = worker.model();
+  EXPECT_TRUE(model.active);
+  EXPECT_EQ(model.title, "Smooth");
+  EXPECT_TRUE(model.cancellable);
+  worker.cancel();
+  for (const auto& outcome : all()) EXPECT_NE(outcome.kind, Kind::Step);
+  EXPECT_FALSE(worker.model().active);
+}
+
+/// The undo comes back to the labels of the step; what Cancel stopped can be asked for again.
+TEST_F(Worker, ARestoreCanBeCancelled) {
+  worker.commit(bone());
+  const auto before = all()[0].before;
+  worker.restore(before);
+  worker.cancel();
+  std::size_t restored = 0;
+  for (const auto& outcome : all()) restored += outcome.labels && outcome.kind == Kind::Restored;
+  EXPECT_LE(restored, 1U);
+  worker.restore(before);
+  EXPECT_EQ(count(all()[0].labels), 0);
+}
+
 /// Strokes come faster than surfaces: those in between are left out, none is forgotten.
 TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
   for (int i = 0; i < 12; ++i) {
@@ -215,16 +245,37 @@ TEST_F(Worker, CancelStopsWhatRunsAndForgetsWhatWaits) {
   EXPECT_FALSE(worker.busy());
 }
 
-TEST(PackedLabels, ComeBackEqual) {
+/// Nine pieces and some; half of it noise, which does not get smaller.
+TEST(PackedLabels, ComeBackEqualAndCanBeCancelledBetweenPieces) {
   LabelGrid labels;
-  labels.geometry.dims = {17, 5, 9};
+  labels.geometry.dims = {512, 256, 300};
   labels.labels.resize(labels.geometry.voxelCount());
+  std::uint32_t noise = 1;
   for (std::size_t i = 0; i < labels.labels.size(); ++i) {
-    labels.labels[i] = static_cast<std::uint8_t>((i * i / 7) % 5);
+    noise = noise * 1664525U + 1013904223U;
+    labels.labels[i] =
+        i < labels.labels.size() / 2 ? std::uint8_t{3} : static_cast<std::uint8_t>(noise >> 24U);
   }
-  const PackedLabels packed(labels);
-  EXPECT_EQ(packed.unpack().labels, labels.labels);
-  EXPECT_EQ(packed.unpack().geometry.dims, labels.geometry.dims);
+  const auto packed = PackedLabels::pack(labels);
+  ASSERT_TRUE(packed);
+  const auto back = packed->unpack();
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->labels, labels.labels);
+  EXPECT_EQ(back->geometry.dims, labels.geometry.dims);
+
+  const auto stopsAtThird = [](const auto& work) {
+    CancelToken token;
+    int heard = 0;
+    const Progress progress{[&](double fraction, const std::string&) {
+                              EXPECT_GE(fraction, 0.0);
+                              EXPECT_LT(fraction, 1.0);
+                              if (++heard == 3) token.cancel();
+                            },
+                            &token};
+    return !work(progress) && heard == 3;
+  };
+  EXPECT_TRUE(stopsAtThird([&](const Progress& p) { return bool(PackedLabels::pack(labels, p)); }));
+  EXPECT_TRUE(stopsAtThird([&](const Progress& p) { return bool(packed->unpack(p)); }));
 }
 
 TEST(ChangedLabels, AreThoseWhoseVoxelsOrRowsDiffer) {
