@@ -33,11 +33,11 @@ def apply(tool):
             f"phase {tool}, applied\nclick-item Apply {tool}\n{NEXT}")
 
 
-def cancel(tool, pictures, settings=""):
-    """Without a preview: Cancel once the tool has run for a second."""
+def cancel(tool, pictures):
+    """Without a preview: Cancel while the tool runs."""
     picture = f"screenshot {pictures}/{tool.replace(' ', '-')}.png\n" if pictures else ""
-    return (f"phase {tool}, runs\nclick-item {tool}\nwait 5\n{settings}click-item Apply {tool}\n"
-            f"wait 25\n{picture}phase {tool}, cancelled\nclick-item Cancel\n{NEXT}")
+    return (f"phase {tool}, runs\nclick-item {tool}\nwait 5\nclick-item Apply {tool}\n"
+            f"wait 10\n{picture}phase {tool}, cancelled\nclick-item Cancel\n{NEXT}")
 
 
 def script(pictures):
@@ -46,6 +46,10 @@ def script(pictures):
     if pictures:
         yield f"screenshot {pictures}/labelled.png\n"
     yield "phase scroll a slice\nmove 1130 150\n" + "wheel 1\nwait 3\n" * 5 + "wait 5\n"
+    yield f"phase no preview\nclick-item Margin\nclick-item Preview\n{NEXT}"
+    for tool in ("Margin", "Smooth", "Islands", "Fill holes"):
+        yield cancel(tool, pictures)
+    yield "phase preview again\nclick-item Preview\nwait 2\n"
     yield "phase turn the 3D view\ndrag 500 300 560 320\nwait 30\n"
     yield apply("Islands")
     yield f"phase brush stroke\nclick-item Paint\nwait 3\ndrag 1130 150 1160 170\n{NEXT}"
@@ -58,10 +62,6 @@ def script(pictures):
     yield ("phase name\nclick-item Name of bone\nwait 2\nhold ctrl\nkey a\nlet ctrl\nwait 2\n"
            f"text skull\nwait 2\nkey enter\n{NEXT}")
     yield f"phase undo of the name\nhold ctrl\nkey z\nlet ctrl\n{NEXT}"
-    yield "click-item Name, colour, material of bone\nwait 5\nclick-item Margin\nwait 3\n"
-    yield f"click-item Preview\n{NEXT}"
-    for tool in ("Margin", "Smooth", "Islands", "Fill holes"):
-        yield cancel(tool, pictures)
     yield "phase undo, runs\nhold ctrl\nkey z\nlet ctrl\nwait 8\n"
     yield f"phase undo, cancelled\nclick-item Cancel\n{NEXT}"
     yield f"phase close\n{NEXT}quit\n"
