@@ -194,7 +194,7 @@ Result<void> Desktop::run() {
     const double drawing = monotonic() - drawn;
     if (!actions.empty()) settle = 4;
     carryOut(actions);
-    if (script_) frameReport_.add({monotonic() - before - drawing, drawing, busy()});
+    if (script_ && awake) frameReport_.add({monotonic() - before - drawing, drawing, busy()});
     if (screenshot) {
       if (auto written = ui::writePng(window_->picture(), *screenshot); !written) return written;
     }
