@@ -279,9 +279,13 @@ TEST(PackedLabels, ComeBackEqualAndCanBeCancelledBetweenPieces) {
 }
 
 TEST(ChangedLabels, AreThoseWhoseVoxelsOrRowsDiffer) {
-  const auto a =
-      countedLabels({{{}, {0, 1, 1, 2, 3}}, {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}}});
-  const auto b = countedLabels({{{}, {0, 1, 4, 2, 3}}, {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}}});
+  LabelState was, is;
+  was.labels.labels = {0, 1, 1, 2, 3};
+  is.labels.labels = {0, 1, 4, 2, 3};
+  was.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}};
+  is.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}};
+  const auto a = countedLabels(std::move(was));
+  const auto b = countedLabels(std::move(is));
   EXPECT_EQ(changedLabels(*a, *b), (std::vector<std::uint8_t>{1, 4, 5}));
   EXPECT_TRUE(changedLabels(*a, *a).empty());
 }

@@ -161,18 +161,18 @@ TEST_F(WindowTest, TexturesAreSentSliceBySliceAndOnlyWhereLabelsDiffer) {
   EXPECT_TRUE(textures.hasLabels());
   EXPECT_EQ(textures.labelSlicesSent(), 24U);
 
-  LabelGrid stroke = *bone;
-  stroke.labels[stroke.geometry.index(3, 4, 7)] ^= 2;
-  textures.setLabels(std::make_shared<const LabelGrid>(stroke));
+  const auto stroke = std::make_shared<LabelGrid>(*bone);
+  stroke->labels[bone->geometry.index(3, 4, 7)] ^= 2;
+  textures.setLabels(stroke);
   const std::uint64_t before = textures.version();
   textures.send(Clock::time_point::max());
   EXPECT_EQ(textures.labelSlicesSent(), 25U);
   EXPECT_GT(textures.version(), before);
 
   // Taken back on the way: the slices that were sent are sent again, and the one of the stroke.
-  LabelGrid other = stroke;
-  for (std::uint8_t& label : other.labels) label ^= 4;
-  textures.setLabels(std::make_shared<const LabelGrid>(other));
+  const auto other = std::make_shared<LabelGrid>(*stroke);
+  for (std::uint8_t& label : other->labels) label ^= 4;
+  textures.setLabels(other);
   for (int slice = 0; slice < 3; ++slice) textures.send(Clock::now());
   EXPECT_EQ(textures.labelSlicesSent(), 28U);
   textures.setLabels(bone);
