@@ -15,6 +15,7 @@ palpate_library(desktop
     desktop_signals.cpp
     desktop_simulation.cpp
     desktop_trade.cpp
+    frame_report.cpp
     label_worker.cpp
     series_rows.cpp
     trade_memo.cpp

@@ -30,6 +30,8 @@ struct DesktopOptions {
   bool demoHand = false;  ///< Start with the built-in searching hand instead of the mouse, running.
   std::optional<std::filesystem::path>
       uiScript;  ///< Input events fed to the window (ui/ui_script.h).
+  std::optional<std::filesystem::path>
+      frameReport;  ///< What the script's frames cost (app/frame_report.h), written at the end.
 
   /// Above 0: the built-in hand works for so many seconds on the real clock, then the run's report
   /// is written and the window closes.

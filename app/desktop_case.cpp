@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/units.h"
 #include "ui/format.h"
 #include "ui/grey_normals.h"
 
 namespace palpate {
+
+SharedLabels countedLabels(LabelState state) {
+  CountedLabels counted;
+  counted.voxels = countVoxels(state.labels);
+  counted.grid = std::make_shared<const LabelGrid>(std::move(state.labels));
+  counted.table = std::move(state.table);
+  return std::make_shared<const CountedLabels>(std::move(counted));
+}
 
 Result<OpenCase> readCase(const std::filesystem::path& folder, const Progress& progress) {
   OpenCase open;
@@ -16,6 +25,7 @@ Result<OpenCase> readCase(const std::filesystem::path& folder, const Progress& p
   auto info = readCaseInfo(folder);
   if (!info) return fail(info.error());
   open.info = std::move(*info);
+  open.labels = countedLabels({});
   progress(0.1, "Reading the volume");
   auto volume = readCaseVolume(folder);
   if (!volume) return fail(volume.error());
@@ -31,8 +41,7 @@ Result<OpenCase> readCase(const std::filesystem::path& folder, const Progress& p
                       .inFile((folder / "labels.mha").string())
                       .advise("Remove labels.mha and segment again."));
     }
-    open.table = std::move(state->table);
-    open.labels = std::make_shared<const LabelGrid>(std::move(state->labels));
+    open.labels = countedLabels(std::move(*state));
   }
   progress(1.0, "Read");
   return open;
@@ -77,13 +86,25 @@ ui::CaseModel describeCase(const OpenCase& open) {
   return model;
 }
 
-std::vector<ui::LabelRow> labelRows(const LabelState& state) {
+CaseView viewOf(const OpenCase& open) {
+  CaseView view;
+  view.model = describeCase(open);
+  view.look = ui::lookOf(*open.volume);
+  for (const Preset& preset : segmentationPresets()) {
+    if (preset.modality != view.model.presetModality) continue;
+    const auto range = presetRange(preset.name, *open.volume);
+    view.presetRanges.push_back(range ? *range : ThresholdRange{});
+  }
+  return view;
+}
+
+std::vector<ui::LabelRow> labelRows(const CountedLabels& labels) {
   std::vector<ui::LabelRow> rows;
-  const auto counts = countLabels(state.labels, state.table);
-  for (std::size_t i = 0; i < state.table.size(); ++i) {
-    const LabelInfo& label = state.table[i];
-    rows.push_back({label.name, label.value, label.colour, counts[i].voxels, counts[i].mm3, true,
-                    label.material});
+  const double mm3 = labels.grid->geometry.spacing.prod() * 1e9;
+  for (const LabelInfo& label : labels.table) {
+    const std::uint64_t voxels = labels.voxels[label.value];
+    rows.push_back({label.name, label.value, label.colour, voxels,
+                    static_cast<double>(voxels) * mm3, true, label.material});
   }
   return rows;
 }
@@ -102,7 +123,8 @@ Result<std::vector<LabelSurface>> surfacesOf(const LabelGrid& labels, const Labe
     auto chunks = meshLabel(labels, table[i].value, step, part);
     if (!chunks) return fail(chunks.error());
     ui::shadeByGrey(*chunks, volume);
-    surfaces.push_back({table[i].value, std::move(*chunks)});
+    surfaces.push_back(
+        {table[i].value, std::make_shared<const std::vector<SurfaceChunk>>(std::move(*chunks))});
   }
   return surfaces;
 }

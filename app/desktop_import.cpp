@@ -36,7 +36,10 @@ void Desktop::openCase(const fs::path& folder) {
   stopRun();
   jobs_.add("Opening the case", [this, folder](const Progress& progress) {
     auto read = std::make_shared<Result<OpenCase>>(readCase(folder, progress));
-    return [this, read] {
+    auto view = std::make_shared<CaseView>();
+    progress(1.0, "Looking at its values");
+    if (*read) *view = viewOf(**read);
+    return [this, read, view] {
       if (!*read) {
         refused_ = true;
         refusal_ = read->error();
@@ -45,31 +48,26 @@ void Desktop::openCase(const fs::path& folder) {
         }
         return;
       }
-      showCase(std::move(**read));
+      showCase(std::move(**read), std::move(*view));
     };
   });
 }
 
-void Desktop::showCase(OpenCase open) {
+void Desktop::showCase(OpenCase open, CaseView view) {
   simulation_.setScene(nullptr);
   review_.clear();
   sceneInstrument_.clear();
   forgetTrade();
   open_ = std::move(open);
-  workspace_->showVolume(*open_->volume);
-  model_.openCase = describeCase(*open_);
-  model_.presetRanges.clear();
-  for (const Preset& preset : segmentationPresets()) {
-    if (preset.modality != model_.openCase.presetModality) continue;
-    const auto range = presetRange(preset.name, *open_->volume);
-    model_.presetRanges.push_back(range ? *range : ThresholdRange{});
-  }
+  workspace_->showVolume(open_->volume, view.look);
+  model_.openCase = std::move(view.model);
+  model_.presetRanges = std::move(view.presetRanges);
   recent_.add(open_->folder);
   model_.library.recent = recent_.list();
   refreshSessions();
   openLabels();
   if (options_.task.empty()) {
-    model_.task = open_->labels ? ui::Task::Simulate : ui::Task::Segment;
+    model_.task = open_->labels->empty() ? ui::Task::Segment : ui::Task::Simulate;
   }
 }
 

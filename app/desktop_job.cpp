@@ -34,10 +34,10 @@ void JobQueue::enqueue(std::string title, Work work, bool cancellable, bool idle
   if (!running_) startNext();
 }
 
-void JobQueue::addLatest(const std::string& title, Work work) {
+void JobQueue::addLatest(const std::string& title, Work work, bool cancellable) {
   std::erase_if(waiting_, [&title](const auto& job) { return job->title == title; });
   if (running_ && running_->title == title) running_->cancel.cancel();
-  add(title, std::move(work));
+  add(title, std::move(work), cancellable);
 }
 
 void JobQueue::startNext() {

@@ -32,7 +32,7 @@ class JobQueue {
   void addIdle(std::string title, Work work);
   void dropIdle();
   /// As add(); a job of the same title that waits is dropped, one that runs is cancelled.
-  void addLatest(const std::string& title, Work work);
+  void addLatest(const std::string& title, Work work, bool cancellable = true);
   /// Takes a finished job's completion and starts the next. True if a completion ran.
   bool poll();
   /// The running job only; those that wait stay.

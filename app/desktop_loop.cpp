@@ -157,9 +157,10 @@ bool Desktop::mayClose() {
 
 Result<bool> Desktop::scriptFrame(std::optional<fs::path>& screenshot) {
   if (!script_ || script_->finished()) return false;
-  auto input = script_->next(workspace_->items(), !busy());
+  auto input = script_->next(workspace_->items(), !busy() && !workspace_->sending());
   if (!input) return fail(input.error());
   window_->inject(*input);
+  if (input->phase) frameReport_.begin(*input->phase);
   screenshot = input->screenshot;
   return input->quit;
 }
@@ -187,10 +188,13 @@ Result<void> Desktop::run() {
     window_->clearDropped();
     fillModel(now - last);
     last = now;
+    const double drawn = monotonic();
     const ui::Actions actions = workspace_->draw(*window_, model_, now, true);
     window_->endFrame();
+    const double drawing = monotonic() - drawn;
     if (!actions.empty()) settle = 4;
     carryOut(actions);
+    if (script_ && awake) frameReport_.add({monotonic() - before - drawing, drawing, busy()});
     if (screenshot) {
       if (auto written = ui::writePng(window_->picture(), *screenshot); !written) return written;
     }
@@ -201,7 +205,8 @@ Result<void> Desktop::run() {
     const double spare = frame - took;
     if (awake && spare > 0.0) std::this_thread::sleep_for(Seconds(spare));
   }
-  const Result<void> reported = options_.soak_s > 0.0 ? writeSoakReport() : Result<void>();
+  Result<void> reported = options_.soak_s > 0.0 ? writeSoakReport() : Result<void>();
+  if (reported && options_.frameReport) reported = frameReport_.write(*options_.frameReport);
   stopRun();
   saveBeforeClosing();
   return reported;

@@ -18,6 +18,7 @@
 #include "app/desktop_recent.h"
 #include "app/desktop_review.h"
 #include "app/desktop_simulation.h"
+#include "app/frame_report.h"
 #include "app/label_worker.h"
 #include "app/trade_memo.h"
 #include "core/devices/device_list.h"
@@ -57,7 +58,7 @@ class Desktop {
   // desktop_import.cpp: the library
   void openFirstCase();
   void openCase(const std::filesystem::path& folder);
-  void showCase(OpenCase open);
+  void showCase(OpenCase open, CaseView view);
   void openDemo();
   void importScan(const std::filesystem::path& path);
   void importSeries(const std::filesystem::path& path, const std::string& uid,
@@ -78,7 +79,7 @@ class Desktop {
   };
   enum class Restoring : std::uint8_t { No, Undo, Redo };
   void openLabels();
-  void takeLabels(const SharedLabels& state);
+  void takeLabels(const SharedLabels& labels);
   void pollLabels();
   void takeOutcome(LabelWorker::Outcome& outcome);
   void takePreview(const LabelWorker::Outcome& outcome);
@@ -96,7 +97,7 @@ class Desktop {
   void leaveSegment();
   void describeUndo();
   [[nodiscard]] int meshStep() const;
-  [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const LabelState& state) const;
+  [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const CountedLabels& labels) const;
 
   // desktop_scene.cpp: what is felt
   void readDatasets();
@@ -132,8 +133,8 @@ class Desktop {
   Restoring restoring_ = Restoring::No;
   std::deque<std::function<void()>> afterSteps_;  ///< Asked for while a step ran.
   CaseRecipe recipe_;
-  std::map<std::uint8_t, std::vector<SurfaceChunk>> surfaces_;  ///< Of the labels as they are.
-  std::set<std::uint8_t> previewed_;  ///< Whose drawn surface is a preview's.
+  std::map<std::uint8_t, ui::SharedChunks> surfaces_;  ///< Of the labels as they are.
+  std::set<std::uint8_t> previewed_;                   ///< Whose drawn surface is a preview's.
   bool unsaved_ = false;
   std::vector<Instrument> instruments_;
   std::vector<Material> materials_;
@@ -148,7 +149,8 @@ class Desktop {
   std::string tradeKey_;          ///< What trade_ holds for.
   std::optional<TradeMemo> trade_;
   std::string appliedTrade_ = "default";  ///< The row whose setting the scene has.
-  Histogram frames_;  ///< Of a soak: what a frame takes.
+  Histogram frames_;         ///< Of a soak: what a frame takes.
+  FrameReport frameReport_;  ///< Of a script.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;
   LabelWorker labelWorker_;

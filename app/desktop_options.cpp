@@ -31,7 +31,13 @@ void addDesktopOptions(CLI::App& program, DesktopOptions& options) {
   group(app.add_option("--frames", options.frames, "Frames before the picture")
             ->check(CLI::Range(1, 100000))
             ->capture_default_str());
-  group(app.add_option("--ui-script", options.uiScript, "Input events to feed to the window"));
+  CLI::Option* script =
+      app.add_option("--ui-script", options.uiScript, "Input events to feed to the window");
+  group(script);
+  CLI::Option* frames =
+      app.add_option("--frame-report", options.frameReport, "JSON: what the script's frames cost");
+  group(frames);
+  frames->needs(script);
   group(app.add_option("--ui-scale", options.uiScale, "Display scale (default: the display's)")
             ->check(CLI::Range(0.5F, 4.0F)));
   group(app.add_flag("--light", options.lightTheme, "Light theme"));

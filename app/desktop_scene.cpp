@@ -70,7 +70,7 @@ void Desktop::takeScene(const std::shared_ptr<const PreparedScene>& scene) {
 }
 
 void Desktop::prepare() {
-  if (!open_ || !open_->labels || instruments_.empty() || materials_.empty()) return;
+  if (!open_ || open_->labels->empty() || instruments_.empty() || materials_.empty()) return;
   model_.simulate.notReady = "The anatomy is being made ready to feel.";
   auto scene = loadSceneFile(open_->folder);
   if (!scene) {
@@ -94,30 +94,29 @@ void Desktop::prepare() {
     appliedTrade_ = "default";
   }
   workspace_->showInstrument(instrument);
-  jobs_.addLatest("Building the sphere tree",
-                  [this, scene = *scene, instrument, labels = open_->labels, table = open_->table,
-                   materials = materials_, folder = open_->folder](const Progress& progress) {
-                    auto prepared =
-                        prepareScene(scene, labels, table, materials, instrument, progress, folder);
-                    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
-                    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
-                    return [this, prepared, labels, bodies] {
-                      if (!open_ || open_->labels != labels) return;
-                      workspace_->showBodies(*bodies);
-                      if (!prepared) {
-                        model_.simulate.notReady = sentence(prepared.error());
-                        if (prepared.error().kind != ErrorKind::Cancelled)
-                          complain(prepared.error());
-                        return;
-                      }
-                      takeScene(*prepared);
-                      considerTrade(*prepared);
-                      if (startAfterPrepare_) {
-                        startAfterPrepare_ = false;
-                        startStop();
-                      }
-                    };
-                  });
+  jobs_.addLatest("Building the sphere tree", [this, scene = *scene, instrument,
+                                               labels = open_->labels, materials = materials_,
+                                               folder = open_->folder](const Progress& progress) {
+    auto prepared =
+        prepareScene(scene, labels->grid, labels->table, materials, instrument, progress, folder);
+    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
+    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
+    return [this, prepared, labels, bodies] {
+      if (!open_ || open_->labels != labels) return;
+      workspace_->showBodies(*bodies);
+      if (!prepared) {
+        model_.simulate.notReady = sentence(prepared.error());
+        if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
+        return;
+      }
+      takeScene(*prepared);
+      considerTrade(*prepared);
+      if (startAfterPrepare_) {
+        startAfterPrepare_ = false;
+        startStop();
+      }
+    };
+  });
 }
 
 }  // namespace palpate

@@ -13,10 +13,12 @@ namespace {
 constexpr std::size_t kUndoSteps = 30;
 
 /// Labels, table and recipe on disk; a table without labels removes the files.
-Result<void> writeLabels(const std::filesystem::path& folder, const LabelGrid* labels,
-                         const LabelTable& table, const CaseRecipe& recipe) {
-  if (labels != nullptr && !table.empty()) {
-    if (auto written = writeCaseLabels(folder, *labels, table); !written) return written;
+Result<void> writeLabels(const std::filesystem::path& folder, const CountedLabels& labels,
+                         const CaseRecipe& recipe) {
+  if (!labels.empty()) {
+    if (auto written = writeCaseLabels(folder, *labels.grid, labels.table); !written) {
+      return written;
+    }
     return writeCaseRecipe(folder, recipe);
   }
   std::error_code error;
@@ -64,40 +66,36 @@ void Desktop::openLabels() {
   surfaces_.clear();
   unsaved_ = false;
   recipe_ = readCaseRecipe(open_->folder);
-  if (open_->labels && recipe_.steps.empty()) recipe_.whole = false;
-  const auto state = std::make_shared<const LabelState>(
-      LabelState{open_->labels ? *open_->labels : LabelGrid{}, open_->table});
-  labelWorker_.open(open_->volume, state, meshStep());
+  if (!open_->labels->empty() && recipe_.steps.empty()) recipe_.whole = false;
+  labelWorker_.open(open_->volume, open_->labels, meshStep());
   workspace_->clearSurfaces();
   workspace_->segment() = {};
   model_.segment.previewShown = false;
   model_.segment.previewText.clear();
-  takeLabels(state);
-  if (open_->labels && !open_->table.empty()) meshLabels();
+  takeLabels(open_->labels);
+  if (!open_->labels->empty()) meshLabels();
 }
 
-void Desktop::takeLabels(const SharedLabels& state) {
-  const bool some = !state->labels.labels.empty() && !state->table.empty();
-  open_->labels = some ? std::shared_ptr<const LabelGrid>(state, &state->labels) : nullptr;
-  open_->table = state->table;
-  model_.segment.labels = rowsOf(*state);
+void Desktop::takeLabels(const SharedLabels& labels) {
+  open_->labels = labels;
+  model_.segment.labels = rowsOf(*labels);
   model_.segment.previewShown = false;
   describeUndo();
-  workspace_->showLabels(open_->labels);
+  workspace_->showLabels(labels->empty() ? nullptr : labels->grid);
   workspace_->showRows(model_.segment.labels);
   workspace_->keepSurfaces(model_.segment.labels);
   std::erase_if(surfaces_, [this](const auto& entry) {
     return std::none_of(model_.segment.labels.begin(), model_.segment.labels.end(),
                         [&entry](const ui::LabelRow& row) { return row.value == entry.first; });
   });
-  if (some) return prepare();
+  if (!labels->empty()) return prepare();
   if (simulation_.running()) stopRun();
   simulation_.setScene(nullptr);
   model_.simulate.notReady = "Nothing is labelled yet, so there is nothing to feel.";
 }
 
-std::vector<ui::LabelRow> Desktop::rowsOf(const LabelState& state) const {
-  std::vector<ui::LabelRow> rows = labelRows(state);
+std::vector<ui::LabelRow> Desktop::rowsOf(const CountedLabels& labels) const {
+  std::vector<ui::LabelRow> rows = labelRows(labels);
   for (ui::LabelRow& row : rows) {
     for (const ui::LabelRow& shown : model_.segment.labels) {
       if (shown.value == row.value) row.visible = shown.visible;
@@ -168,7 +166,7 @@ void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
   }
   segment.previewText = compared(outcome.voxelsBefore, outcome.voxelsAfter);
   segment.previewShown = true;
-  workspace_->showLabels(std::shared_ptr<const LabelGrid>(outcome.labels, &outcome.labels->labels));
+  workspace_->showLabels(outcome.labels->grid);
   workspace_->showRows(rowsOf(*outcome.labels));
 }
 
@@ -192,12 +190,15 @@ void Desktop::dropPreview() {
   ui::SegmentModel& segment = model_.segment;
   segment.previewText.clear();
   segment.previewRefused = false;
-  if (segment.previewShown) workspace_->showLabels(open_ ? open_->labels : nullptr);
+  if (segment.previewShown) {
+    workspace_->showLabels(open_ && !open_->labels->empty() ? open_->labels->grid : nullptr);
+  }
   segment.previewShown = false;
   for (const std::uint8_t value : previewed_) {
     const auto own = surfaces_.find(value);
-    workspace_->showSurface(value,
-                            own == surfaces_.end() ? std::vector<SurfaceChunk>{} : own->second);
+    workspace_->showSurface(value, own == surfaces_.end()
+                                       ? std::make_shared<const std::vector<SurfaceChunk>>()
+                                       : own->second);
   }
   previewed_.clear();
   workspace_->keepSurfaces(segment.labels);
@@ -213,7 +214,7 @@ void Desktop::applyStepNow(const LabelStep& step) {
 void Desktop::editLabel(const ui::act::EditLabel& wish) {
   if (!open_) return;
   if (labelWorker_.busy()) return afterSteps_.push_back([this, wish] { editLabel(wish); });
-  LabelTable table = open_->table;
+  LabelTable table = open_->labels->table;
   const auto row = std::find_if(table.begin(), table.end(),
                                 [&](const LabelInfo& l) { return l.value == wish.value; });
   if (row == table.end()) return;
@@ -224,7 +225,7 @@ void Desktop::editLabel(const ui::act::EditLabel& wish) {
     return complain(usageError("Another label has that name.").advise("Choose another name."));
   }
   leaveSegment();  // the preview comes back, of the label as it is then called
-  undo_.push_back({nullptr, open_->table, "Edit, " + row->name, recipe_});
+  undo_.push_back({nullptr, open_->labels->table, "Edit, " + row->name, recipe_});
   redo_.clear();
   renameLabel(recipe_.steps, row->name, wish.name);
   *row = {wish.name, wish.value, wish.colour, wish.material};
@@ -245,52 +246,50 @@ void Desktop::restore(Restoring which) {
   restoring_ = which;
   if (from.back().state) return labelWorker_.restore(from.back().state);
   const LabelTable table = from.back().table;
-  moveBetween({nullptr, open_->table, "", recipe_});
+  moveBetween({nullptr, open_->labels->table, "", recipe_});
   setTable(table);
 }
 
 void Desktop::saveLabels() {
   unsaved_ = true;
-  jobs_.addLatest(
-      "Saving the labels", [this, labels = open_->labels, table = open_->table, recipe = recipe_,
-                            folder = open_->folder](const Progress& progress) {
-        progress(0.2, "Writing labels.mha");
-        const Result<void> written = writeLabels(folder, labels.get(), table, recipe);
-        return [this, labels, written] {
-          if (!written) {
-            return complain(written.error(), "The labels are in memory only: save them elsewhere.");
-          }
-          if (open_ && open_->labels == labels) unsaved_ = false;
-        };
-      });
+  const auto save = [this, labels = open_->labels, recipe = recipe_,
+                     folder = open_->folder](const Progress& progress) {
+    progress(0.2, "Writing labels.mha");
+    const Result<void> written = writeLabels(folder, *labels, recipe);
+    return [this, labels, written] {
+      if (!written) {
+        return complain(written.error(), "The labels are in memory only: save them elsewhere.");
+      }
+      if (open_ && open_->labels == labels) unsaved_ = false;
+    };
+  };
+  jobs_.addLatest("Saving the labels", save, false);
 }
 
 void Desktop::saveBeforeClosing() {
   labelWorker_.finish();
   pollLabels();
   if (!open_ || !unsaved_) return;
-  (void)writeLabels(open_->folder, open_->labels.get(), open_->table, recipe_);
+  (void)writeLabels(open_->folder, *open_->labels, recipe_);
   unsaved_ = false;
 }
 
 void Desktop::meshLabels() {
-  jobs_.add("Drawing the surface",
-            [this, step = meshStep(), labels = open_->labels, table = open_->table,
-             volume = open_->volume](const Progress& progress) {
-              auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
-                  surfacesOf(*labels, table, *volume, step, progress));
-              return [this, surfaces, labels] {
-                if (!open_ || open_->labels != labels) return;
-                if (!*surfaces)
-                  return complain(surfaces->error(), "The slices and the feel are unaffected.");
-                for (LabelSurface& surface : **surfaces) {
-                  workspace_->showSurface(surface.value, surface.chunks);
-                  surfaces_[surface.value] = std::move(surface.chunks);
-                }
-                workspace_->showRows(model_.segment.labels);
-                workspace_->frameSurfaces();
-              };
-            });
+  jobs_.add("Drawing the surface", [this, step = meshStep(), labels = open_->labels,
+                                    volume = open_->volume](const Progress& progress) {
+    auto surfaces = std::make_shared<Result<std::vector<LabelSurface>>>(
+        surfacesOf(*labels->grid, labels->table, *volume, step, progress));
+    return [this, surfaces, labels] {
+      if (!open_ || open_->labels != labels) return;
+      if (!*surfaces) return complain(surfaces->error(), "The slices and the feel are unaffected.");
+      for (LabelSurface& surface : **surfaces) {
+        workspace_->showSurface(surface.value, surface.chunks);
+        surfaces_[surface.value] = std::move(surface.chunks);
+      }
+      workspace_->showRows(model_.segment.labels);
+      workspace_->frameSurfaces();
+    };
+  });
 }
 
 /// What was only previewed is not what the other tasks show.

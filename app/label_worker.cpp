@@ -9,12 +9,12 @@
 namespace palpate {
 namespace {
 
-std::uint64_t voxelsOf(const LabelState& state, const std::string& label) {
-  const auto row = std::find_if(state.table.begin(), state.table.end(),
+constexpr double kWork = 0.9;  // of the progress; the rest is keeping the labels for undo
+
+std::uint64_t voxelsOf(const CountedLabels& labels, const std::string& label) {
+  const auto row = std::find_if(labels.table.begin(), labels.table.end(),
                                 [&label](const LabelInfo& l) { return l.name == label; });
-  if (row == state.table.end()) return 0;
-  return static_cast<std::uint64_t>(
-      std::count(state.labels.labels.begin(), state.labels.labels.end(), row->value));
+  return row == labels.table.end() ? 0 : labels.voxels[row->value];
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ void LabelWorker::open(std::shared_ptr<const Volume> volume, SharedLabels labels
   waiting_.clear();
   outcomes_.clear();
   volume_ = std::move(volume);
-  labels_ = labels ? std::move(labels) : std::make_shared<const LabelState>();
+  labels_ = labels ? std::move(labels) : countedLabels({});
   previewed_.reset();
   meshStep_ = meshStep;
 }
@@ -68,8 +68,12 @@ void LabelWorker::commit(const LabelStep& step) {
   if (!volume_) return;
   std::erase_if(waiting_, [](const Request& r) { return r.kind == Kind::Preview; });
   const std::string key = recipeText({step});
-  const bool same = running_ && recipeText({running_->step}) == key;
-  if (running_ && running_->kind == Kind::Preview && !same) cancel_->cancel();
+  if (running_ && running_->kind == Kind::Preview) {
+    const bool same = recipeText({running_->step}) == key;
+    const bool made = previewed_ && previewKey_ == key;  // only its surface is missing
+    if (!same || made) cancel_->cancel();
+  }
+  if (drawing_) cancel_->cancel();  // of labels that are soon out of date
   waiting_.push_back({Kind::Step, step, {}});
   wake_.notify_all();
 }
@@ -78,6 +82,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
   dropPreview();
   const std::lock_guard lock(mutex_);
   if (!volume_ || !state) return;
+  if (drawing_) cancel_->cancel();
   waiting_.push_back({Kind::Restored, {}, std::move(state)});
   wake_.notify_all();
 }
@@ -85,7 +90,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
 SharedLabels LabelWorker::setTable(const LabelTable& table) {
   dropPreview();
   const std::lock_guard lock(mutex_);
-  auto changed = std::make_shared<LabelState>(*labels_);
+  auto changed = std::make_shared<CountedLabels>(*labels_);  // the voxels are shared
   changed->table = table;
   labels_ = std::move(changed);
   return labels_;
@@ -123,13 +128,21 @@ void LabelWorker::finish() {
   idle_.wait(lock, [this] { return !running_ && waiting_.empty(); });
 }
 
+const LabelWorker::Request* LabelWorker::shown() const {
+  if (running_ && running_->kind != Kind::Preview) return &*running_;
+  const auto step = std::find_if(waiting_.begin(), waiting_.end(),
+                                 [](const Request& r) { return r.kind != Kind::Preview; });
+  return step == waiting_.end() ? nullptr : &*step;
+}
+
 ui::JobModel LabelWorker::model() const {
   const std::lock_guard lock(mutex_);
   ui::JobModel model;
-  if (!running_ || running_->kind == Kind::Preview) return model;
+  const Request* request = shown();
+  if (request == nullptr) return model;
   model.active = true;
   model.title =
-      running_->kind == Kind::Restored ? "Restoring the labels" : toolTitle(running_->step.tool);
+      request->kind == Kind::Restored ? "Restoring the labels" : toolTitle(request->step.tool);
   if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
@@ -137,12 +150,12 @@ ui::JobModel LabelWorker::model() const {
   return model;
 }
 
-Progress LabelWorker::progress() {
+Progress LabelWorker::progress(double from, double share) {
   Progress progress;
   progress.cancel = cancel_.get();
-  progress.report = [this](double fraction, const std::string& what) {
+  progress.report = [this, from, share](double fraction, const std::string& what) {
     const std::lock_guard lock(mutex_);
-    fraction_ = fraction;
+    fraction_ = from + share * fraction;
     what_ = what;
   };
   return progress;
@@ -180,19 +193,20 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 }
 
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
-                                              const LabelState& before) {
+                                              const CountedLabels& before) {
   if (request.kind == Kind::Restored) {
-    return std::make_shared<const LabelState>(
-        LabelState{request.state->labels.unpack(), request.state->table});
+    auto labels = request.state->labels.unpack(progress(0.0, kWork));
+    if (!labels) return fail(labels.error());
+    return countedLabels({std::move(*labels), request.state->table});
   }
   {
     const std::lock_guard lock(mutex_);
     if (previewed_ && previewKey_ == recipeText({request.step})) return previewed_;
   }
-  auto after = applyStep(volume, before, request.step, progress());
+  auto after = applyStep(volume, *before.grid, before.table, request.step, progress(0.0, kWork));
   if (!after) return fail(after.error());
   dressNewRows(before.table, after->table, anatomies_);
-  return std::make_shared<const LabelState>(std::move(*after));
+  return countedLabels(std::move(*after));
 }
 
 void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
@@ -207,7 +221,16 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   Outcome outcome;
   outcome.kind = request.kind;
   outcome.step = request.step;
-  const auto after = labelsAfter(request, *volume, *before);
+  auto after = labelsAfter(request, *volume, *before);
+  if (after && request.kind != Kind::Preview) {
+    auto packed = PackedLabels::pack(*before->grid, progress(kWork, 1.0 - kWork));
+    if (packed) {
+      outcome.before =
+          std::make_shared<const PackedState>(PackedState{std::move(*packed), before->table});
+    } else {
+      after = fail(packed.error());
+    }
+  }
   if (!after) {
     outcome.error = after.error();
     deliver(std::move(outcome), generation);
@@ -218,10 +241,6 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   if (request.kind == Kind::Preview) {
     outcome.voxelsBefore = voxelsOf(*before, request.step.label);
     outcome.voxelsAfter = voxelsOf(**after, request.step.label);
-  }
-  if (request.kind != Kind::Preview) {
-    outcome.before = std::make_shared<const PackedState>(
-        PackedState{PackedLabels(before->labels), before->table});
   }
   {
     const std::lock_guard lock(mutex_);
@@ -262,8 +281,13 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
     if (values.contains(row.value)) changed.push_back(row);
   }
   if (changed.empty() && !stays) return;
-  auto surfaces = surfacesOf(after->labels, changed, volume, meshStep, progress());
-  if (!surfaces) return;  // cancelled: the next preview brings its own
+  auto surfaces = surfacesOf(*after->grid, changed, volume, meshStep, progress());
+  if (!surfaces) {  // cancelled: the next preview brings its own, the next step draws these too
+    const std::lock_guard lock(mutex_);
+    drawing_ = false;
+    if (stays) undrawn_ = std::move(values);
+    return;
+  }
   Outcome outcome;
   outcome.kind = Kind::Surfaces;
   outcome.surfacesOfPreview = request.kind == Kind::Preview;
@@ -276,10 +300,10 @@ void LabelWorker::makeSurfaces(const Request& request, const Volume& volume,
   outcomes_.push_back(std::move(outcome));
 }
 
-std::vector<std::uint8_t> changedLabels(const LabelState& a, const LabelState& b) {
+std::vector<std::uint8_t> changedLabels(const CountedLabels& a, const CountedLabels& b) {
   std::array<bool, 256> changed{};
-  const std::vector<std::uint8_t>&x = a.labels.labels, &y = b.labels.labels;
-  for (std::size_t i = 0; i < std::max(x.size(), y.size()); ++i) {
+  const std::vector<std::uint8_t>&x = a.grid->labels, &y = b.grid->labels;
+  for (std::size_t i = 0; a.grid != b.grid && i < std::max(x.size(), y.size()); ++i) {
     const std::uint8_t before = i < x.size() ? x[i] : std::uint8_t{0};
     const std::uint8_t after = i < y.size() ? y[i] : std::uint8_t{0};
     if (before != after) changed[before] = changed[after] = true;

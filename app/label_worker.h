@@ -23,8 +23,6 @@
 
 namespace palpate {
 
-using SharedLabels = std::shared_ptr<const LabelState>;
-
 /// Labels as they were, for undo and redo.
 struct PackedState {
   PackedLabels labels;
@@ -64,7 +62,8 @@ class LabelWorker {
   /// Replaces the preview that waits or runs.
   void preview(const LabelStep& step);
   void dropPreview();
-  /// Runs after the steps before it. What was just previewed is not computed again.
+  /// Runs after the steps before it. What was just previewed is not computed again; a surface that
+  /// is being made of the step before is made with this one's.
   void commit(const LabelStep& step);
   void restore(std::shared_ptr<const PackedState> state);
   /// The table alone: names, colours, materials. Not while steps run (busy()); drops the preview.
@@ -92,11 +91,14 @@ class LabelWorker {
   void work(const std::stop_token& stop);
   void carryOut(const Request& request, std::uint64_t generation);
   [[nodiscard]] Result<SharedLabels> labelsAfter(const Request& request, const Volume& volume,
-                                                 const LabelState& before);
+                                                 const CountedLabels& before);
   void makeSurfaces(const Request& request, const Volume& volume, const SharedLabels& before,
                     const SharedLabels& after, std::uint64_t generation);
   void deliver(Outcome outcome, std::uint64_t generation);
-  [[nodiscard]] Progress progress();
+  /// Of a part of the running request.
+  [[nodiscard]] Progress progress(double from = 0.0, double share = 1.0);
+  /// What the window shows as running: a preview only where a step waits for it.
+  [[nodiscard]] const Request* shown() const;
 
   mutable std::mutex mutex_;
   std::condition_variable_any wake_, idle_;
@@ -119,6 +121,7 @@ class LabelWorker {
 };
 
 /// Values that differ anywhere between two states, or are in one table only.
-[[nodiscard]] std::vector<std::uint8_t> changedLabels(const LabelState& a, const LabelState& b);
+[[nodiscard]] std::vector<std::uint8_t> changedLabels(const CountedLabels& a,
+                                                      const CountedLabels& b);
 
 }  // namespace palpate

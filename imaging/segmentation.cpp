@@ -190,9 +190,19 @@ Result<LabelGrid> segment(const Volume& volume, const LabelGrid* existing, std::
   return out;
 }
 
+std::array<std::uint64_t, 256> countVoxels(const LabelGrid& labels) {
+  // Runs of equal labels are the rule: one counter would wait for itself voxel after voxel.
+  std::array<std::array<std::uint64_t, 256>, 4> partial{};
+  for (std::size_t i = 0; i < labels.labels.size(); ++i) ++partial[i % 4][labels.labels[i]];
+  std::array<std::uint64_t, 256> counts{};
+  for (const auto& part : partial) {
+    for (std::size_t value = 0; value < counts.size(); ++value) counts[value] += part[value];
+  }
+  return counts;
+}
+
 std::vector<LabelCount> countLabels(const LabelGrid& labels, const LabelTable& table) {
-  std::array<std::size_t, 256> counts{};
-  for (const std::uint8_t label : labels.labels) ++counts[label];
+  const auto counts = countVoxels(labels);
   const double mm3 = labels.geometry.spacing.prod() * 1e9;
   std::vector<LabelCount> out;
   for (const LabelInfo& info : table) {

@@ -1,6 +1,8 @@
 #pragma once
 /// From a volume to a label: presets, thresholds, largest part, small islands.
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,6 +58,8 @@ struct LabelCount {
   std::size_t voxels = 0;
   double mm3 = 0.0;
 };
+/// How many voxels have each value.
+[[nodiscard]] std::array<std::uint64_t, 256> countVoxels(const LabelGrid& labels);
 [[nodiscard]] std::vector<LabelCount> countLabels(const LabelGrid& labels, const LabelTable& table);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "ui/surface_layer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ui/gl_api.h"
 
@@ -19,30 +20,53 @@ GlMesh meshOf(const SurfaceChunk& chunk, const Eigen::Vector3d& origin_mm) {
   return makeMesh(interleaved, chunk.triangles);
 }
 
-void SurfaceLayer::setLabel(std::uint8_t value, const std::vector<SurfaceChunk>& chunks,
+void SurfaceLayer::setLabel(std::uint8_t value, SharedChunks chunks,
                             const Eigen::Vector3d& origin_mm) {
   Label& label = labels_[value];
-  label.chunks.clear();
-  label.low_mm = Eigen::Vector3d::Constant(1e30);
-  label.high_mm = -label.low_mm;
-  for (const SurfaceChunk& chunk : chunks) {
-    if (chunk.triangles.empty()) continue;
+  label.sent.clear();
+  label.next = 0;
+  label.origin_mm = origin_mm;
+  label.coming = std::move(chunks);
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e30F), high = -low;
+  for (const SurfaceChunk& chunk : *label.coming) {
     for (std::size_t v = 0; v + 2 < chunk.vertices_mm.size(); v += 3) {
-      const Eigen::Vector3d p =
-          Eigen::Map<const Eigen::Vector3f>(&chunk.vertices_mm[v]).cast<double>();
-      label.low_mm = label.low_mm.cwiseMin(p);
-      label.high_mm = label.high_mm.cwiseMax(p);
+      const Eigen::Map<const Eigen::Vector3f> p(&chunk.vertices_mm[v]);
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
     }
-    label.chunks.push_back(meshOf(chunk, origin_mm));
   }
-  ++version_;
+  label.low_mm = low.cast<double>();
+  label.high_mm = high.cast<double>();
+}
+
+bool SurfaceLayer::sending() const noexcept {
+  return std::any_of(labels_.begin(), labels_.end(),
+                     [](const auto& entry) { return entry.second.coming != nullptr; });
+}
+
+void SurfaceLayer::send(std::chrono::steady_clock::time_point until) {
+  for (auto& [value, label] : labels_) {
+    if (label.coming == nullptr) continue;
+    while (label.next < label.coming->size()) {
+      const SurfaceChunk& chunk = (*label.coming)[label.next++];
+      if (!chunk.triangles.empty()) label.sent.push_back(meshOf(chunk, label.origin_mm));
+      if (std::chrono::steady_clock::now() >= until) break;
+    }
+    if (label.next < label.coming->size()) return;
+    label.chunks = std::move(label.sent);
+    label.sent.clear();
+    label.coming.reset();
+    ++version_;
+    if (std::chrono::steady_clock::now() >= until) return;
+  }
 }
 
 void SurfaceLayer::setLoose(const std::vector<std::uint8_t>& values) {
   for (auto& [value, label] : labels_) {
-    label.loose = std::find(values.begin(), values.end(), value) != values.end();
+    const bool loose = std::find(values.begin(), values.end(), value) != values.end();
+    if (loose != label.loose) ++version_;
+    label.loose = loose;
   }
-  ++version_;
 }
 
 void SurfaceLayer::keep(const std::vector<LabelRow>& rows) {
@@ -59,16 +83,20 @@ void SurfaceLayer::clear() {
 }
 
 void SurfaceLayer::setRows(const std::vector<LabelRow>& rows) {
-  for (auto& [value, label] : labels_) label.visible = false;
-  for (const LabelRow& row : rows) {
-    const auto found = labels_.find(row.value);
-    if (found == labels_.end()) continue;
-    found->second.visible = row.visible;
-    found->second.colour = Eigen::Vector3f(static_cast<float>(row.colour[0]) / 255.0F,
-                                           static_cast<float>(row.colour[1]) / 255.0F,
-                                           static_cast<float>(row.colour[2]) / 255.0F);
+  for (auto& [value, label] : labels_) {
+    const auto row =
+        std::find_if(rows.begin(), rows.end(), [&](const LabelRow& r) { return r.value == value; });
+    const bool visible = row != rows.end() && row->visible;
+    Eigen::Vector3f colour = label.colour;
+    if (row != rows.end()) {
+      for (int c = 0; c < 3; ++c) {
+        colour[c] = static_cast<float>(row->colour[static_cast<std::size_t>(c)]) / 255.0F;
+      }
+    }
+    if (visible != label.visible || colour != label.colour) ++version_;
+    label.visible = visible;
+    label.colour = colour;
   }
-  ++version_;
 }
 
 void SurfaceLayer::draw(const GlProgram& program) const {
@@ -85,7 +113,7 @@ void SurfaceLayer::draw(const GlProgram& program) const {
 std::optional<std::array<Eigen::Vector3d, 2>> SurfaceLayer::bounds_mm() const {
   std::optional<std::array<Eigen::Vector3d, 2>> box;
   for (const auto& [value, label] : labels_) {
-    if (label.chunks.empty()) continue;
+    if (label.empty()) continue;
     if (!box) box = {label.low_mm, label.high_mm};
     box = {(*box)[0].cwiseMin(label.low_mm), (*box)[1].cwiseMax(label.high_mm)};
   }

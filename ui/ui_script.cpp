@@ -30,7 +30,7 @@ std::optional<std::pair<std::size_t, std::size_t>> arity(const std::string& verb
       {"click", {2, 3}}, {"click-item", {1, 9}}, {"double", {2, 2}},    {"drag", {4, 5}},
       {"wheel", {1, 1}}, {"key", {1, 1}},        {"hold", {1, 1}},      {"let", {1, 1}},
       {"text", {1, 99}}, {"wait", {1, 1}},       {"wait-idle", {0, 0}}, {"screenshot", {1, 1}},
-      {"quit", {0, 0}}};
+      {"phase", {1, 9}}, {"quit", {0, 0}}};
   const auto found = kArity.find(verb);
   if (found == kArity.end()) return std::nullopt;
   return found->second;
@@ -138,6 +138,7 @@ Result<ScriptInput> UiScript::next(const std::map<std::string, Rect>& items, boo
   if (step.verb == "let") input.keys.emplace_back(w[0], false);
   if (step.verb == "text") input.text = joined(w);
   if (step.verb == "screenshot") input.screenshot = w[0];
+  if (step.verb == "phase") input.phase = joined(w);
   if (step.verb == "quit") input.quit = true;
   steps_.pop_front();
   return input;

@@ -8,6 +8,7 @@
 ///   key NAME                         hold NAME / let NAME   (a key, or shift, ctrl)
 ///   text WORDS                       wait FRAMES | wait-idle (no job runs; at most 3000 frames)
 ///   screenshot FILE                  quit
+///   phase NAME                       (of what follows, in the report of the frames)
 /// Every command but screenshot and quit takes at least one frame. NAME is the label of a control.
 
 #include <deque>
@@ -30,6 +31,7 @@ struct ScriptInput {
   std::vector<std::pair<std::string, bool>> keys;  ///< Name, down.
   std::string text;
   std::optional<std::filesystem::path> screenshot;  ///< After this frame is drawn.
+  std::optional<std::string> phase;                 ///< Begins with this frame.
   bool quit = false;
 };
 

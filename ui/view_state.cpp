@@ -27,8 +27,8 @@ std::array<double, 2> startingWindow(const Volume& volume) {
   return {0.5 * (low + high), std::max(1e-6, high - low)};
 }
 
-void resetViews(ViewState& state, const Volume& volume, double sceneAspect) {
-  const GridGeometry& grid = volume.geometry;
+void resetViews(ViewState& state, const GridGeometry& grid, const std::array<double, 2>& window,
+                double sceneAspect) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e30);
   Eigen::Vector3d high = -low;
   for (const auto& corner : grid.cornerCentres_P()) {
@@ -39,7 +39,7 @@ void resetViews(ViewState& state, const Volume& volume, double sceneAspect) {
   const Eigen::Vector3d middle(0.5 * (grid.dims[0] - 1), 0.5 * (grid.dims[1] - 1),
                                0.5 * (grid.dims[2] - 1));
   state.crosshair_P = pointOf(grid, middle);
-  state.window = startingWindow(volume);
+  state.window = window;
   state.slice = {};
   state.preview.reset();
 }

@@ -36,6 +36,7 @@ struct ViewState {
 /// Level and width to start with: bone and soft tissue for CT, 1st to 99th percentile otherwise.
 [[nodiscard]] std::array<double, 2> startingWindow(const Volume& volume);
 /// Camera on all of the volume, crosshair in its middle.
-void resetViews(ViewState& state, const Volume& volume, double sceneAspect);
+void resetViews(ViewState& state, const GridGeometry& grid, const std::array<double, 2>& window,
+                double sceneAspect);
 
 }  // namespace palpate::ui

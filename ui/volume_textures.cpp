@@ -1,6 +1,7 @@
 #include "ui/volume_textures.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ui/gl_api.h"
 
@@ -22,14 +23,22 @@ GlTexture texture3D(const std::array<std::int32_t, 3>& dims, int internal, unsig
   return GlTexture(id);
 }
 
+void sendSlice(const GlTexture& texture, const std::array<std::int32_t, 3>& dims,
+               std::int32_t slice, unsigned format, unsigned type, const void* data) {
+  glBindTexture(GL_TEXTURE_3D, texture.id());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, slice, dims[0], dims[1], 1, format, type, data);
+}
+
 }  // namespace
 
-std::vector<float> brickMaxima(const Volume& volume, int edge, std::array<int, 3>& count) {
+BrickMaxima brickMaxima(const Volume& volume, int edge) {
   const auto& dims = volume.geometry.dims;
-  for (std::size_t a = 0; a < 3; ++a) count[a] = (dims[a] + edge - 1) / edge;
-  std::vector<float> most;
-  most.reserve(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
-               static_cast<std::size_t>(count[2]));
+  BrickMaxima bricks;
+  for (std::size_t a = 0; a < 3; ++a) bricks.count[a] = (dims[a] + edge - 1) / edge;
+  const auto& count = bricks.count;
+  bricks.most.reserve(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
+                      static_cast<std::size_t>(count[2]));
   // One voxel of rim: a sample between two bricks interpolates across the border.
   for (int bk = 0; bk < count[2]; ++bk) {
     for (int bj = 0; bj < count[1]; ++bj) {
@@ -45,40 +54,89 @@ std::vector<float> brickMaxima(const Volume& volume, int edge, std::array<int, 3
             }
           }
         }
-        most.push_back(static_cast<float>(best));
+        bricks.most.push_back(static_cast<float>(best));
       }
     }
   }
-  return most;
+  return bricks;
 }
 
-void VolumeTextures::setVolume(const Volume& volume) {
+void VolumeTextures::setVolume(std::shared_ptr<const Volume> volume, const BrickMaxima& bricks) {
   clear();
-  grid_ = volume.geometry;
-  if (volume.type == VoxelType::Int16) {
-    valueScale_ = 32767.0F;  // signed normalised
-    volume_ = texture3D(grid_.dims, GL_R16_SNORM, GL_RED, GL_SHORT, volume.int16.data(), GL_LINEAR);
-  } else {
-    valueScale_ = 1.0F;
-    volume_ = texture3D(grid_.dims, GL_R32F, GL_RED, GL_FLOAT, volume.float32.data(), GL_LINEAR);
-  }
-  std::vector<float> most = brickMaxima(volume, kBrick, brickCount_);
+  grid_ = volume->geometry;
+  const bool int16 = volume->type == VoxelType::Int16;
+  valueScale_ = int16 ? 32767.0F : 1.0F;  // int16: signed normalised
+  volumeTexture_ = texture3D(grid_.dims, int16 ? GL_R16_SNORM : GL_R32F, GL_RED,
+                             int16 ? GL_SHORT : GL_FLOAT, nullptr, GL_LINEAR);
+  std::vector<float> most = bricks.most;
   for (float& v : most) v /= valueScale_;
+  brickCount_ = bricks.count;
   bricks_ = texture3D({brickCount_[0], brickCount_[1], brickCount_[2]}, GL_R32F, GL_RED, GL_FLOAT,
                       most.data(), GL_NEAREST);
+  volume_ = std::move(volume);
   ++version_;
 }
 
-void VolumeTextures::setLabels(const LabelGrid& labels) {
-  if (labels.geometry.dims != grid_.dims) return;
-  labels_ = texture3D(grid_.dims, GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, labels.labels.data(),
-                      GL_NEAREST);
-  ++version_;
+void VolumeTextures::setLabels(std::shared_ptr<const LabelGrid> labels) {
+  if (labels->geometry.dims != grid_.dims) return;
+  if (!labelTexture_) {
+    labelTexture_ =
+        texture3D(grid_.dims, GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, nullptr, GL_NEAREST);
+    labelsOf_.assign(static_cast<std::size_t>(grid_.dims[2]), nullptr);
+  }
+  wanted_ = std::move(labels);
+  if (volume_ == nullptr) next_ = 0;
 }
 
 void VolumeTextures::dropLabels() {
-  labels_ = GlTexture();
+  if (!labelTexture_) return;
+  labelTexture_ = GlTexture();
+  labelsOf_.clear();
+  wanted_.reset();
+  labelsWhole_ = false;
   ++version_;
+}
+
+void VolumeTextures::send(std::chrono::steady_clock::time_point until) {
+  while (sending()) {
+    if (volume_ != nullptr) {
+      sendVolumeSlice();
+    } else {
+      sendLabelSlice();
+    }
+    if (std::chrono::steady_clock::now() >= until) return;
+  }
+}
+
+void VolumeTextures::sendVolumeSlice() {
+  const bool int16 = volume_->type == VoxelType::Int16;
+  const std::size_t from = grid_.index(0, 0, next_);
+  sendSlice(volumeTexture_, grid_.dims, next_, GL_RED, int16 ? GL_SHORT : GL_FLOAT,
+            int16 ? static_cast<const void*>(&volume_->int16[from])
+                  : static_cast<const void*>(&volume_->float32[from]));
+  if (++next_ < grid_.dims[2]) return;
+  volume_.reset();
+  next_ = 0;
+  ++version_;
+}
+
+void VolumeTextures::sendLabelSlice() {
+  const std::size_t from = grid_.index(0, 0, next_);
+  const std::size_t size = grid_.index(0, 0, 1);
+  std::shared_ptr<const LabelGrid>& shown = labelsOf_[static_cast<std::size_t>(next_)];
+  const std::uint8_t* voxels = &wanted_->labels[from];
+  if (shown == nullptr ||
+      (shown != wanted_ && !std::equal(voxels, voxels + size, &shown->labels[from]))) {
+    sendSlice(labelTexture_, grid_.dims, next_, GL_RED_INTEGER, GL_UNSIGNED_BYTE, voxels);
+    ++labelSlicesSent_;
+    if (labelsWhole_) ++version_;
+  }
+  shown = wanted_;
+  if (++next_ < grid_.dims[2]) return;
+  wanted_.reset();
+  next_ = 0;
+  if (!labelsWhole_) ++version_;
+  labelsWhole_ = true;
 }
 
 void VolumeTextures::setPalette(const std::vector<LabelRow>& rows) {
@@ -88,6 +146,8 @@ void VolumeTextures::setPalette(const std::vector<LabelRow>& rows) {
     for (std::size_t c = 0; c < 3; ++c) table[at + c] = row.colour[c];
     table[at + 3] = row.visible ? 255 : 0;
   }
+  if (palette_ && table == paletteTable_) return;
+  paletteTable_ = table;
   unsigned id = palette_.id();
   if (id == 0) {
     glGenTextures(1, &id);
@@ -101,14 +161,16 @@ void VolumeTextures::setPalette(const std::vector<LabelRow>& rows) {
 }
 
 void VolumeTextures::clear() {
-  volume_ = GlTexture();
-  labels_ = GlTexture();
+  dropLabels();
+  volumeTexture_ = GlTexture();
   bricks_ = GlTexture();
+  volume_.reset();
+  next_ = 0;
   ++version_;
 }
 
 void VolumeTextures::bindVolume(const GlProgram& program, int unit, bool interpolate) const {
-  program.texture("volume", unit, GL_TEXTURE_3D, volume_.id());
+  program.texture("volume", unit, GL_TEXTURE_3D, volumeTexture_.id());
   const int filter = interpolate ? GL_LINEAR : GL_NEAREST;
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter);
@@ -127,7 +189,7 @@ void VolumeTextures::bindBricks(const GlProgram& program, int unit) const {
 
 void VolumeTextures::bindLabels(const GlProgram& program, int labelUnit, int paletteUnit) const {
   program.set("hasLabels", hasLabels() && palette_ ? 1 : 0);
-  program.texture("labels", labelUnit, GL_TEXTURE_3D, labels_.id());
+  program.texture("labels", labelUnit, GL_TEXTURE_3D, labelTexture_.id());
   program.texture("palette", paletteUnit, GL_TEXTURE_2D, palette_.id());
 }
 

@@ -5,7 +5,9 @@
 #include <imgui_internal.h>  // after imgui.h: closing a list by Escape
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/units.h"
 #include "ui/header.h"
@@ -27,13 +29,17 @@ Result<std::unique_ptr<Workspace>> Workspace::load(const std::filesystem::path& 
   return self;
 }
 
-void Workspace::showVolume(const Volume& volume) {
-  textures_.setVolume(volume);
-  modality_ = volume.modality;
+VolumeLook lookOf(const Volume& volume) {
+  return {startingWindow(volume), brickMaxima(volume, VolumeTextures::kBrick)};
+}
+
+void Workspace::showVolume(std::shared_ptr<const Volume> volume, const VolumeLook& look) {
+  modality_ = volume->modality;
   followedStep_ = ~std::uint64_t{0};
   const Rect& area = layout_.view[0];
   const double aspect = area.h > 0.0F ? static_cast<double>(area.w / area.h) : 1.0;
-  resetViews(state_, volume, aspect);
+  resetViews(state_, volume->geometry, look.window, aspect);
+  textures_.setVolume(std::move(volume), look.bricks);
   startCamera_ = state_.camera;
   scene_->setOrigin(state_.camera.target_mm);
   scene_->volume().setTransfer(transferFor(modality_, state_.window));
@@ -45,7 +51,7 @@ void Workspace::showLabels(std::shared_ptr<const LabelGrid> labels) {
   if (labels_ == nullptr || labels_->labels.empty()) {
     textures_.dropLabels();
   } else {
-    textures_.setLabels(*labels_);
+    textures_.setLabels(labels_);
   }
 }
 
@@ -54,8 +60,8 @@ void Workspace::showRows(const std::vector<LabelRow>& rows) {
   scene_->surface().setRows(rows);
 }
 
-void Workspace::showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks) {
-  scene_->surface().setLabel(label, chunks, scene_->origin_mm());
+void Workspace::showSurface(std::uint8_t label, SharedChunks chunks) {
+  scene_->surface().setLabel(label, std::move(chunks), scene_->origin_mm());
   scene_->surface().setLoose(loose_);
 }
 
@@ -381,7 +387,17 @@ void Workspace::needCharacters(Window& window, const Model& model) const {
   need(segment_.name);
 }
 
+/// Volume and labels before surfaces: a stroke is looked for in the slice.
+void Workspace::send(bool all) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kSend(10);  // with software rendering's bands under 33 ms
+  const auto until = all ? Clock::time_point::max() : Clock::now() + kSend;
+  textures_.send(until);
+  if (Clock::now() < until) scene_->surface().send(until);
+}
+
 Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {
+  send(!patient);
   Actions actions;
   items_.clear();
   needCharacters(window, model);

@@ -23,19 +23,28 @@
 
 namespace palpate::ui {
 
+/// What showing a volume needs and takes long to find on a large one.
+struct VolumeLook {
+  std::array<double, 2> window{0, 1};
+  BrickMaxima bricks;
+};
+/// Any thread.
+[[nodiscard]] VolumeLook lookOf(const Volume& volume);
+
 class Workspace {
  public:
   /// Compiles the shaders; refuses a folder without them.
   [[nodiscard]] static Result<std::unique_ptr<Workspace>> load(
       const std::filesystem::path& shaders);
 
-  void showVolume(const Volume& volume);
+  /// Shared while it is on its way to the graphics card, some frames.
+  void showVolume(std::shared_ptr<const Volume> volume, const VolumeLook& look);
   /// Null: none. Kept until it is replaced, to pick in the 3D view.
   void showLabels(std::shared_ptr<const LabelGrid> labels);
   /// The scene's loose bodies; their labels are no longer drawn as anatomy. Empty: none.
   void showBodies(const std::vector<BodySurface>& bodies);
   void showRows(const std::vector<LabelRow>& rows);
-  void showSurface(std::uint8_t label, const std::vector<SurfaceChunk>& chunks);
+  void showSurface(std::uint8_t label, SharedChunks chunks);
   void clearSurfaces();
   /// Surfaces of labels that are not in `rows` go.
   void keepSurfaces(const std::vector<LabelRow>& rows);
@@ -50,8 +59,10 @@ class Workspace {
 
   /// A picture is still being made or a key moves something: draw again soon.
   [[nodiscard]] bool busy() const {
-    return scene_->refining() || segment_.wantedKey != segment_.sentKey;
+    return sending() || scene_->refining() || segment_.wantedKey != segment_.sentKey;
   }
+  /// What was to be shown is still on its way to the graphics card.
+  [[nodiscard]] bool sending() const { return textures_.sending() || scene_->surface().sending(); }
   /// What the Segment panel is set to; a new case or a refused step changes it.
   [[nodiscard]] SegmentPanelState& segment() noexcept { return segment_; }
   [[nodiscard]] ViewState& views() noexcept { return state_; }
@@ -78,6 +89,7 @@ class Workspace {
   void drawEmptyScene(const Painter& paint, const Rect& area, const Model& model) const;
   [[nodiscard]] PlacedMesh placedTool(const Model& model) const;
   void fill(std::optional<View> view) { state_.filled = view; }
+  void send(bool all);
 
   VolumeTextures textures_;
   std::vector<std::uint8_t> loose_;  ///< Labels of loose bodies.

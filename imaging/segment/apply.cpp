@@ -24,11 +24,11 @@ bool holds(const LabelGrid& labels, std::uint8_t value) {
   return std::find(labels.labels.begin(), labels.labels.end(), value) != labels.labels.end();
 }
 
-Result<void> checkGrids(const Volume& volume, const LabelState& before) {
+Result<void> checkGrids(const Volume& volume, const LabelGrid& before) {
   if (volume.size() == 0 || volume.size() != volume.geometry.voxelCount()) {
     return fail(inputRefused("The volume is empty."));
   }
-  const std::size_t labels = before.labels.labels.size();
+  const std::size_t labels = before.labels.size();
   if (labels == 0 || labels == volume.size()) return {};
   return fail(inputRefused("The labels do not have the volume's size.")
                   .butFound(std::to_string(labels) + " voxels")
@@ -95,6 +95,11 @@ Result<LabelInfo> rowFor(const std::string& name, LabelTable& table) {
 
 Result<LabelState> applyStep(const Volume& volume, const LabelState& before, const LabelStep& step,
                              const Progress& progress) {
+  return applyStep(volume, before.labels, before.table, step, progress);
+}
+
+Result<LabelState> applyStep(const Volume& volume, const LabelGrid& before, const LabelTable& table,
+                             const LabelStep& step, const Progress& progress) {
   if (auto fits = checkGrids(volume, before); !fits) return fail(fits.error());
   if (step.limits.only) {
     if (auto fits = checkRange(*step.limits.only); !fits) {
@@ -102,12 +107,12 @@ Result<LabelState> applyStep(const Volume& volume, const LabelState& before, con
     }
   }
   if (progress.cancelled()) return fail(cancelled());
-  LabelState after{{volume.geometry, before.labels.labels}, before.table};
+  LabelState after{{volume.geometry, before.labels}, table};
   after.labels.labels.resize(volume.size());
   const auto row = rowFor(step.label, after.table);
   if (!row) return fail(row.error());
   if (std::holds_alternative<tool::Remove>(step.tool)) {
-    const bool there = std::any_of(before.table.begin(), before.table.end(),
+    const bool there = std::any_of(table.begin(), table.end(),
                                    [&](const LabelInfo& l) { return l.name == step.label; });
     if (!there) return fail(noSuchLabel(step.label));
   }

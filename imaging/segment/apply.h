@@ -24,6 +24,10 @@ namespace palpate {
 [[nodiscard]] Result<LabelState> applyStep(const Volume& volume, const LabelState& before,
                                            const LabelStep& step, const Progress& progress = {});
 
+[[nodiscard]] Result<LabelState> applyStep(const Volume& volume, const LabelGrid& before,
+                                           const LabelTable& table, const LabelStep& step,
+                                           const Progress& progress = {});
+
 /// From 1 to 255; nothing where all are taken.
 [[nodiscard]] std::optional<std::uint8_t> lowestFreeValue(const LabelTable& table);
 /// The row of the label, added with the lowest free value where it is new.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/progress.h"
 #include "core/voxels/label_grid.h"
 
 namespace palpate {
@@ -11,11 +13,12 @@ namespace palpate {
 class PackedLabels {
  public:
   PackedLabels() = default;
-  /// zlib, fastest level: a 512 × 512 × 800 head in about a second, to a few megabytes.
-  explicit PackedLabels(const LabelGrid& labels);
-
-  /// The labels again, equal to the last voxel.
-  [[nodiscard]] LabelGrid unpack() const;
+  /// zlib, fastest level: a 512 × 512 × 800 head in about a second, to a few megabytes. Fails only
+  /// where it is cancelled.
+  [[nodiscard]] static Result<PackedLabels> pack(const LabelGrid& labels,
+                                                 const Progress& progress = {});
+  /// The labels again, equal to the last voxel. Fails only where it is cancelled.
+  [[nodiscard]] Result<LabelGrid> unpack(const Progress& progress = {}) const;
   [[nodiscard]] std::size_t bytes() const noexcept { return packed_.size(); }
 
  private:

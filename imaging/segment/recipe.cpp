@@ -271,9 +271,6 @@ Result<std::vector<LabelStep>> readSteps(const std::vector<std::string>& inlineT
   };
   std::string text = "step = [\n";
   for (const std::string& table : inlineTables) text += "{ " + table + " },\n";
-  if (lineOfStrayLetter(text) > 0) {
-    return fail(notToml("a letter beyond ASCII is not in quotes"));
-  }
   try {
     auto steps = stepsOf(toml::parse(text + "]\n"), {});
     if (steps) return steps;

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "core/session/replay.h"
 #include "imaging/case_folder.h"
@@ -204,6 +205,25 @@ TEST_F(DesktopTest, WhatTheWindowDidIsRebuiltFromItsRecipe) {
   EXPECT_EQ(rebuilt.labels.labels, labels->labels);
   ASSERT_EQ(table->size(), 1U);
   EXPECT_EQ((*table)[0].colour, (std::array<std::uint8_t, 3>{0, 158, 115}));
+}
+
+TEST_F(DesktopTest, AScriptsFramesAreReportedByItsPhases) {
+  DesktopOptions o = options();
+  o.task = "segment";
+  o.frameReport = folder_ / "frames.json";
+  script(o, "phase open\nwait-idle\nphase step\nclick-item Segment tissue\nwait-idle\nquit\n");
+  ASSERT_EQ(runDesktop(o), 0);
+  const auto phases = nlohmann::json::parse(std::ifstream(*o.frameReport))["phases"];
+  ASSERT_EQ(phases.size(), 2U);
+  EXPECT_EQ(phases[0]["name"], "open");
+  EXPECT_EQ(phases[1]["name"], "step");
+  for (const auto& phase : phases) {
+    EXPECT_GT(phase["frames"], 3);
+    EXPECT_GT(phase["frame_ms"], 0.0);
+    EXPECT_GE(phase["seconds"], phase["busy_s"]);
+    EXPECT_GE(phase["peak_MiB"], phase["end_MiB"]);
+  }
+  EXPECT_GT(phases[1]["busy_s"], 0.0);
 }
 
 /// "Stop" is on the screen only while the simulation runs; the script fails where it is not.

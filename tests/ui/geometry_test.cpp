@@ -106,8 +106,7 @@ TEST(Hand, ThePixelsOfTheMouseAreTheMillimetresOfTheView) {
 
 TEST(Bricks, HoldTheLargestValueOfTheirVoxelsAndRim) {
   const Volume head = test::syntheticHead(21);  // not a multiple of the brick
-  std::array<int, 3> count{};
-  const auto most = brickMaxima(head, 8, count);
+  const auto [count, most] = brickMaxima(head, 8);
   EXPECT_EQ(count, (std::array<int, 3>{3, 3, 3}));
   for (int k = 0; k < head.geometry.dims[2]; ++k) {
     for (int j = 0; j < head.geometry.dims[1]; ++j) {

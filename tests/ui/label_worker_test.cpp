@@ -46,7 +46,7 @@ struct Worker : testing::Test {
     return outcomes;
   }
   static std::int64_t count(const SharedLabels& labels) {
-    return std::count(labels->labels.labels.begin(), labels->labels.labels.end(), 1);
+    return std::count(labels->grid->labels.begin(), labels->grid->labels.end(), 1);
   }
   LabelWorker worker;
 };
@@ -59,7 +59,7 @@ TEST_F(Worker, AStepGivesItsLabelsThenTheirSurfaces) {
   EXPECT_EQ(count(outcomes[0].labels), 64001);
   EXPECT_EQ(outcomes[1].kind, Kind::Surfaces);
   ASSERT_EQ(outcomes[1].surfaces.size(), 1U);
-  EXPECT_FALSE(outcomes[1].surfaces[0].chunks.empty());
+  EXPECT_FALSE(outcomes[1].surfaces[0].chunks->empty());
   EXPECT_FALSE(worker.busy());
 }
 
@@ -119,7 +119,7 @@ TEST_F(Worker, StepsBuildOnEachOtherAndComeBackOneByOne) {
     const auto outcomes = all();
     ASSERT_FALSE(outcomes.empty());
     EXPECT_EQ(outcomes[0].kind, Kind::Restored);
-    EXPECT_EQ(outcomes[0].labels->labels.labels, steps[i - 1].labels->labels.labels);
+    EXPECT_EQ(outcomes[0].labels->grid->labels, steps[i - 1].labels->grid->labels);
   }
 }
 
@@ -160,6 +160,47 @@ TEST_F(Worker, ANewTableOutlivesThePreviewThatRan) {
   }
 }
 
+/// On a large scan the voxels are hundreds of megabytes: a name does not copy them.
+TEST_F(Worker, ATableEditSharesTheVoxelsAndTheirCounts) {
+  worker.commit(bone());
+  const SharedLabels made = all()[0].labels;
+  const SharedLabels set = worker.setTable({LabelInfo{.name = "skull"}});
+  EXPECT_EQ(set->grid, made->grid);
+  EXPECT_EQ(set->table[0].name, "skull");
+  EXPECT_EQ(labelRows(*set)[0].voxels, 64001U);
+  EXPECT_EQ(made->table[0].name, "bone");
+}
+
+/// What is applied while it is being previewed is shown, and can be cancelled, like any step.
+TEST_F(Worker, AStepThatWaitsForItsPreviewShowsItsProgress) {
+  worker.commit(bone());
+  (void)all();
+  const LabelStep slow{"bone", tool::Smooth{20.0, true}, {}, {}};
+  worker.preview(slow);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));  // it runs
+  worker.commit(slow);
+  const ui::JobModel model = worker.model();
+  EXPECT_TRUE(model.active);
+  EXPECT_EQ(model.title, "Smooth");
+  EXPECT_TRUE(model.cancellable);
+  worker.cancel();
+  for (const auto& outcome : all()) EXPECT_NE(outcome.kind, Kind::Step);
+  EXPECT_FALSE(worker.model().active);
+}
+
+/// The undo comes back to the labels of the step; what Cancel stopped can be asked for again.
+TEST_F(Worker, ARestoreCanBeCancelled) {
+  worker.commit(bone());
+  const auto before = all()[0].before;
+  worker.restore(before);
+  worker.cancel();
+  std::size_t restored = 0;
+  for (const auto& outcome : all()) restored += outcome.labels && outcome.kind == Kind::Restored;
+  EXPECT_LE(restored, 1U);
+  worker.restore(before);
+  EXPECT_EQ(count(all()[0].labels), 0);
+}
+
 /// Strokes come faster than surfaces: those in between are left out, none is forgotten.
 TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
   for (int i = 0; i < 12; ++i) {
@@ -168,7 +209,7 @@ TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
         {i % 2 == 0 ? "even" : "odd", tool::Brush{{{at, at, at}}, 2.0, {}, false}, {}, {}});
   }
   worker.commit({"even", tool::Margin{tool::Margin::Operation::Erode, 100.0}, {}, {}});  // refused
-  std::map<std::uint8_t, std::vector<SurfaceChunk>> drawn;
+  std::map<std::uint8_t, ui::SharedChunks> drawn;
   SharedLabels last;
   for (auto& outcome : all()) {
     if (outcome.kind == Kind::Step && outcome.labels) last = outcome.labels;
@@ -177,11 +218,11 @@ TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
   ASSERT_TRUE(last);
   ASSERT_EQ(drawn.size(), 2U);
   for (const auto& [value, chunks] : drawn) {
-    const auto expected = meshLabel(last->labels, value, 1);
+    const auto expected = meshLabel(*last->grid, value, 1);
     ASSERT_TRUE(expected);
-    ASSERT_EQ(chunks.size(), expected->size());
-    for (std::size_t i = 0; i < chunks.size(); ++i) {
-      EXPECT_EQ(chunks[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
+    ASSERT_EQ(chunks->size(), expected->size());
+    for (std::size_t i = 0; i < chunks->size(); ++i) {
+      EXPECT_EQ((*chunks)[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
     }
   }
 }
@@ -215,26 +256,49 @@ TEST_F(Worker, CancelStopsWhatRunsAndForgetsWhatWaits) {
   EXPECT_FALSE(worker.busy());
 }
 
-TEST(PackedLabels, ComeBackEqual) {
+/// Nine pieces and some; half of it noise, which does not get smaller.
+TEST(PackedLabels, ComeBackEqualAndCanBeCancelledBetweenPieces) {
   LabelGrid labels;
-  labels.geometry.dims = {17, 5, 9};
+  labels.geometry.dims = {512, 256, 300};
   labels.labels.resize(labels.geometry.voxelCount());
+  std::uint32_t noise = 1;
   for (std::size_t i = 0; i < labels.labels.size(); ++i) {
-    labels.labels[i] = static_cast<std::uint8_t>((i * i / 7) % 5);
+    noise = noise * 1664525U + 1013904223U;
+    labels.labels[i] =
+        i < labels.labels.size() / 2 ? std::uint8_t{3} : static_cast<std::uint8_t>(noise >> 24U);
   }
-  const PackedLabels packed(labels);
-  EXPECT_EQ(packed.unpack().labels, labels.labels);
-  EXPECT_EQ(packed.unpack().geometry.dims, labels.geometry.dims);
+  const auto packed = PackedLabels::pack(labels);
+  ASSERT_TRUE(packed);
+  const auto back = packed->unpack();
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->labels, labels.labels);
+  EXPECT_EQ(back->geometry.dims, labels.geometry.dims);
+
+  const auto stopsAtThird = [](const auto& work) {
+    CancelToken token;
+    int heard = 0;
+    const Progress progress{[&](double fraction, const std::string&) {
+                              EXPECT_GE(fraction, 0.0);
+                              EXPECT_LT(fraction, 1.0);
+                              if (++heard == 3) token.cancel();
+                            },
+                            &token};
+    return !work(progress) && heard == 3;
+  };
+  EXPECT_TRUE(stopsAtThird([&](const Progress& p) { return bool(PackedLabels::pack(labels, p)); }));
+  EXPECT_TRUE(stopsAtThird([&](const Progress& p) { return bool(packed->unpack(p)); }));
 }
 
 TEST(ChangedLabels, AreThoseWhoseVoxelsOrRowsDiffer) {
-  LabelState a, b;
-  a.labels.labels = {0, 1, 1, 2, 3};
-  b.labels.labels = {0, 1, 4, 2, 3};
-  a.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}};
-  b.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}};
-  EXPECT_EQ(changedLabels(a, b), (std::vector<std::uint8_t>{1, 4, 5}));
-  EXPECT_TRUE(changedLabels(a, a).empty());
+  LabelState was, is;
+  was.labels.labels = {0, 1, 1, 2, 3};
+  is.labels.labels = {0, 1, 4, 2, 3};
+  was.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"gone", 5}};
+  is.table = {{"x", 1}, {"y", 2}, {"z", 3}, {"new", 4}};
+  const auto a = countedLabels(std::move(was));
+  const auto b = countedLabels(std::move(is));
+  EXPECT_EQ(changedLabels(*a, *b), (std::vector<std::uint8_t>{1, 4, 5}));
+  EXPECT_TRUE(changedLabels(*a, *a).empty());
 }
 
 }  // namespace

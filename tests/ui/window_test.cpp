@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -66,11 +67,11 @@ struct Shown {
 };
 
 void fill(Workspace& workspace, const Shown& shown) {
-  workspace.showVolume(shown.head);
+  workspace.showVolume(std::make_shared<const Volume>(shown.head), lookOf(shown.head));
   workspace.showLabels(std::make_shared<const LabelGrid>(shown.bone));
-  const auto chunks = meshLabel(shown.bone, 1, 1);
+  auto chunks = meshLabel(shown.bone, 1, 1);
   ASSERT_TRUE(chunks) << sentence(chunks.error());
-  workspace.showSurface(1, *chunks);
+  workspace.showSurface(1, std::make_shared<const std::vector<SurfaceChunk>>(std::move(*chunks)));
   workspace.showRows(shown.model.segment.labels);
   workspace.showInstrument(test::syntheticBurr());
 }
@@ -136,6 +137,86 @@ TEST_F(WindowTest, LooksAsAcceptedInLight) {
   Shown shown;
   shown.model.task = Task::Segment;
   expectGolden(drawn(shown, options(true)), "window_segment_light");
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// A large scan takes longer than a frame to send: it goes slice by slice, as far as there is time.
+TEST_F(WindowTest, TexturesAreSentSliceBySliceAndOnlyWhereLabelsDiffer) {
+  const auto window = Window::open(options());
+  ASSERT_TRUE(window) << sentence(window.error());
+  const auto head = std::make_shared<const Volume>(test::syntheticHead(24));
+  const auto bone = std::make_shared<const LabelGrid>(test::syntheticBone(*head));
+  VolumeTextures textures;
+  textures.setVolume(head, brickMaxima(*head, VolumeTextures::kBrick));
+  for (int slice = 0; slice < 24; ++slice) {
+    EXPECT_FALSE(textures.loaded()) << slice;
+    textures.send(Clock::now());
+  }
+  EXPECT_TRUE(textures.loaded());
+  EXPECT_FALSE(textures.sending());
+
+  textures.setLabels(bone);
+  textures.send(Clock::now());
+  EXPECT_FALSE(textures.hasLabels()) << "one slice of 24 is there";
+  textures.send(Clock::time_point::max());
+  EXPECT_TRUE(textures.hasLabels());
+  EXPECT_EQ(textures.labelSlicesSent(), 24U);
+
+  const auto stroke = std::make_shared<LabelGrid>(*bone);
+  stroke->labels[bone->geometry.index(3, 4, 7)] ^= 2;
+  textures.setLabels(stroke);
+  const std::uint64_t before = textures.version();
+  textures.send(Clock::time_point::max());
+  EXPECT_EQ(textures.labelSlicesSent(), 25U);
+  EXPECT_GT(textures.version(), before);
+
+  // Taken back on the way: the slices that were sent are sent again, and the one of the stroke.
+  const auto other = std::make_shared<LabelGrid>(*stroke);
+  for (std::uint8_t& label : other->labels) label ^= 4;
+  textures.setLabels(other);
+  for (int slice = 0; slice < 3; ++slice) textures.send(Clock::now());
+  EXPECT_EQ(textures.labelSlicesSent(), 28U);
+  textures.setLabels(bone);
+  textures.send(Clock::time_point::max());
+  EXPECT_EQ(textures.labelSlicesSent(), 32U);
+  const std::uint64_t shown = textures.version();
+  textures.setLabels(std::make_shared<const LabelGrid>(*bone));
+  textures.send(Clock::time_point::max());
+  EXPECT_EQ(textures.version(), shown) << "equal labels are nothing new";
+}
+
+TEST_F(WindowTest, ASurfaceIsSentChunkByChunkAndShownWhole) {
+  const auto window = Window::open(options());
+  ASSERT_TRUE(window) << sentence(window.error());
+  Shown shown;
+  auto made = meshLabel(shown.bone, 1, 1);
+  ASSERT_TRUE(made) << sentence(made.error());
+  const auto chunks = std::make_shared<const std::vector<SurfaceChunk>>(std::move(*made));
+  ASSERT_GT(chunks->size(), 2U);
+  SurfaceLayer surface;
+  surface.setLabel(1, chunks, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(surface.bounds_mm());
+  for (std::size_t chunk = 0; chunk < chunks->size(); ++chunk) {
+    EXPECT_EQ(surface.triangles(), 0U);
+    surface.send(Clock::now());
+  }
+  EXPECT_FALSE(surface.sending());
+  const std::size_t triangles = surface.triangles();
+  EXPECT_GT(triangles, 0U);
+  surface.setRows(shown.model.segment.labels);
+  const std::uint64_t version = surface.version();
+  surface.setRows(shown.model.segment.labels);
+  surface.setLoose({});
+  EXPECT_EQ(surface.version(), version) << "nothing changed, so nothing is drawn again";
+  // The old one is drawn until the new one is whole.
+  surface.setLabel(1, chunks, Eigen::Vector3d::Zero());
+  surface.send(Clock::now());
+  EXPECT_EQ(surface.triangles(), triangles);
+  surface.setLabel(1, std::make_shared<const std::vector<SurfaceChunk>>(), {0, 0, 0});
+  surface.send(Clock::now());
+  EXPECT_EQ(surface.triangles(), 0U);
+  EXPECT_FALSE(surface.bounds_mm());
 }
 
 /// Draws with a script's input until it ends; gives the actions of all frames.

@@ -110,6 +110,13 @@ TEST(Script, AClickIsAMoveAPressAndARelease) {
   EXPECT_TRUE(script->finished());
 }
 
+TEST(Script, APhaseIsNamedInTheFrameThatBeginsIt) {
+  auto script = UiScript::parse("phase undo and redo\nwait 1", "test.txt");
+  ASSERT_TRUE(script);
+  EXPECT_EQ(script->next({}, true)->phase, "undo and redo");
+  EXPECT_EQ(script->next({}, true)->phase, std::nullopt);
+}
+
 TEST(Script, AControlThatIsNotThereIsAnError) {
   auto script = UiScript::parse("click-item Nowhere", "test.txt");
   ASSERT_TRUE(script);

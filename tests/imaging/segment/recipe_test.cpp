@@ -734,11 +734,14 @@ TEST(InlineSteps, AreRefusedByStepAndKey) {
 
 TEST(PackedLabels, UnpackToTheLastVoxel) {
   forSamples(60, [](Random&, Sample& s) {
-    const LabelGrid back = PackedLabels(s.before.labels).unpack();
-    EXPECT_TRUE(sameLabels(s.before.labels, back));
+    const auto packed = PackedLabels::pack(s.before.labels);
+    ASSERT_TRUE(packed);
+    const auto back = packed->unpack();
+    ASSERT_TRUE(back);
+    EXPECT_TRUE(sameLabels(s.before.labels, *back));
   });
-  EXPECT_TRUE(PackedLabels().unpack().labels.empty());
-  EXPECT_TRUE(PackedLabels(LabelGrid{}).unpack().labels.empty());
+  EXPECT_TRUE(PackedLabels().unpack()->labels.empty());
+  EXPECT_TRUE(PackedLabels::pack(LabelGrid{})->unpack()->labels.empty());
 }
 
 }  // namespace
