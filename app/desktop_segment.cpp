@@ -44,10 +44,10 @@ std::string describe(const LabelStep& step) {
 
 /// "Preview: 432 952 voxels, 1 203 fewer"
 std::string compared(std::uint64_t was, std::uint64_t is) {
-  const std::string change = is > was   ? ui::grouped(is - was) + " more"
-                             : is < was ? ui::grouped(was - is) + " fewer"
-                                        : std::string("no change");
-  return "Preview: " + ui::grouped(is) + (is == 1 ? " voxel, " : " voxels, ") + change;
+  if (was == is) return "Preview: no voxel more or fewer";
+  const std::uint64_t change = was > is ? was - is : is - was;
+  const char* how = was == 0 ? "" : is > was ? " more" : " fewer";
+  return "Preview: " + ui::grouped(change) + (change == 1 ? " voxel" : " voxels") + how;
 }
 
 }  // namespace

@@ -82,6 +82,7 @@ struct SegmentPanelState {
   std::vector<Eigen::Vector2d> outline;  ///< Screen, framebuffer pixels.
   bool abandoned = false;  ///< Escape, until the button is let go: it draws nothing more.
 
+  float footer = 0.0F;  ///< Height of what stays in reach below the settings, as last drawn.
   std::filesystem::path initialisedFor;
   std::string sentKey;     ///< Of the step whose preview was asked for last.
   std::string wantedKey;   ///< Of the step as it is set now.

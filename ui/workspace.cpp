@@ -190,8 +190,12 @@ void Workspace::drawPanel(const Painter& paint, const Model& model, double now) 
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
                       {paint.px(Measures::kPadding), paint.px(Measures::kPadding)});
   // A child of its own for each task: each keeps its place when scrolled.
+  // Segment has a part of its own that scrolls.
   ImGui::BeginChild(taskName(model.task), {area.w, area.h}, false,
-                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoBackground);
+                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoBackground |
+                        (model.task == Task::Segment
+                             ? ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse
+                             : 0));
   ImGui::PopStyleVar();
   if (model.task != Task::Segment) state_.preview.reset();
   switch (model.task) {
@@ -379,6 +383,8 @@ void Workspace::needCharacters(Window& window, const Model& model) const {
   need(model.job.what);
   need(library_.path);
   need(segment_.name);
+  need(segment_.editName);
+  for (const std::string& part : segment_.parts) need(part);
 }
 
 Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {

@@ -282,6 +282,67 @@ TEST_F(InteractionTest, ANameInAnotherScriptIsDrawnFromTheNextFrameOn) {
   EXPECT_NE(window_->fonts().body->FindGlyphNoFallback('a'), nullptr);
 }
 
+/// Whatever is open above it, the button that applies is whole in the panel and covers nothing.
+TEST_F(WindowTest, ApplyIsInReachInEveryTool) {
+  struct Size {
+    float scale;
+    int width, height;  // before scaling
+  };
+  for (const Size& size : {Size{1.0F, 1280, 800}, Size{1.5F, 1280, 800}, Size{1.5F, 854, 534}}) {
+    WindowOptions o = options();
+    o.scale = size.scale;
+    o.width = size.width;
+    o.height = size.height;
+    auto window = Window::open(o);
+    ASSERT_TRUE(window) << sentence(window.error());
+    auto workspace = Workspace::load(shaders());
+    ASSERT_TRUE(workspace);
+    Shown shown;
+    shown.model.task = Task::Segment;
+    for (std::uint8_t v = 2; v <= 8; ++v) {
+      std::string name = "label " + std::to_string(v) + " " + std::string(56, 'm');
+      if (v == 8) {
+        name.clear();
+        for (int i = 0; i < 60; ++i) name += "\xe5\xb1\xb1";
+      }
+      shown.model.segment.labels.push_back({name, v, {90, 120, 200}, 84123, 761240.0, true});
+    }
+    shown.model.segment.previewText =
+        "Preview: 143,295,232 voxels, 12,432,952 fewer and more words than the line can hold";
+    double now = 0.0;
+    (void)played(**window, **workspace, shown.model, "wait 2", now);
+    fill(**workspace, shown);
+    for (std::size_t kind = 0; kind < kTools; ++kind) {
+      SegmentPanelState& state = (*workspace)->segment();
+      state.kind = static_cast<ToolKind>(kind);
+      state.editing = 8;
+      shown.model.segment.previewRefused = kind % 2 == 1;
+      (void)played(**window, **workspace, shown.model, "wait 3", now);
+      const bool draws = state.kind == ToolKind::Brush || state.kind == ToolKind::Eraser ||
+                         state.kind == ToolKind::Scissors;
+      std::vector<std::string> names{"Undo", "Redo", "Touch it"};
+      if (!draws) {
+        names.push_back(kind == 0 ? std::string("Segment tissue")
+                                  : std::string("Apply ") + toolWords(state.kind).title);
+      }
+      const Rect& panel = (*workspace)->layout().panel;
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        SCOPED_TRACE(names[i] + " at " + std::to_string(size.scale));
+        const auto at = (*workspace)->items().find(names[i]);
+        ASSERT_NE(at, (*workspace)->items().end());
+        const Rect& r = at->second;
+        EXPECT_GE(r.x, panel.x);
+        EXPECT_LE(r.right(), panel.right());
+        EXPECT_GE(r.y, panel.y);
+        EXPECT_LE(r.bottom(), panel.bottom());
+        for (std::size_t j = 0; j < i; ++j) {
+          EXPECT_FALSE(r.overlaps((*workspace)->items().at(names[j]))) << names[j];
+        }
+      }
+    }
+  }
+}
+
 TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {
   (void)play("key v\nwait 2");
   Picture picture;
