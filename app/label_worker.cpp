@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "imaging/exchange/label_exchange.h"
 #include "imaging/segment/recipe.h"
 
 namespace palpate {
@@ -59,7 +60,7 @@ void LabelWorker::preview(const LabelStep& step) {
   dropPreview();
   const std::lock_guard lock(mutex_);
   if (!volume_) return;
-  waiting_.push_back({Kind::Preview, step, {}});
+  waiting_.push_back({Kind::Preview, step, {}, {}, {}});
   wake_.notify_all();
 }
 
@@ -70,7 +71,15 @@ void LabelWorker::commit(const LabelStep& step) {
   const std::string key = recipeText({step});
   const bool same = running_ && recipeText({running_->step}) == key;
   if (running_ && running_->kind == Kind::Preview && !same) cancel_->cancel();
-  waiting_.push_back({Kind::Step, step, {}});
+  waiting_.push_back({Kind::Step, step, {}, {}, {}});
+  wake_.notify_all();
+}
+
+void LabelWorker::join(const std::filesystem::path& file, const std::string& only) {
+  dropPreview();
+  const std::lock_guard lock(mutex_);
+  if (!volume_) return;
+  waiting_.push_back({Kind::Joined, {}, {}, file, only});
   wake_.notify_all();
 }
 
@@ -78,7 +87,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
   dropPreview();
   const std::lock_guard lock(mutex_);
   if (!volume_ || !state) return;
-  waiting_.push_back({Kind::Restored, {}, std::move(state)});
+  waiting_.push_back({Kind::Restored, {}, std::move(state), {}, {}});
   wake_.notify_all();
 }
 
@@ -128,8 +137,9 @@ ui::JobModel LabelWorker::model() const {
   ui::JobModel model;
   if (!running_ || running_->kind == Kind::Preview) return model;
   model.active = true;
-  model.title =
-      running_->kind == Kind::Restored ? "Restoring the labels" : toolTitle(running_->step.tool);
+  model.title = running_->kind == Kind::Restored ? "Restoring the labels"
+                : running_->kind == Kind::Joined ? "Taking the labels of the file"
+                                                 : toolTitle(running_->step.tool);
   if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
@@ -180,7 +190,16 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 }
 
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
-                                              const LabelState& before) {
+                                              const LabelState& before, Outcome& outcome) {
+  if (request.kind == Kind::Joined) {
+    auto joined = joinLabels(request.file, volume.geometry, request.only, before,
+                             rowsOfAnatomies(anatomies_), progress());
+    if (!joined) return fail(joined.error());
+    outcome.replaced = std::move(joined->replaced);
+    outcome.added = std::move(joined->added);
+    outcome.warnings = std::move(joined->warnings);
+    return std::make_shared<const LabelState>(std::move(joined->state));
+  }
   if (request.kind == Kind::Restored) {
     return std::make_shared<const LabelState>(
         LabelState{request.state->labels.unpack(), request.state->table});
@@ -207,7 +226,7 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   Outcome outcome;
   outcome.kind = request.kind;
   outcome.step = request.step;
-  const auto after = labelsAfter(request, *volume, *before);
+  const auto after = labelsAfter(request, *volume, *before, outcome);
   if (!after) {
     outcome.error = after.error();
     deliver(std::move(outcome), generation);

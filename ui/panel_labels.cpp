@@ -161,6 +161,53 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
   }
 }
 
+/// Words that can be clicked, at the right of a section's title; gives where they begin.
+bool link(const Painter& paint, const char* words, const char* tooltip, float right, float& left) {
+  ImFont* small = paint.fonts.secondary;
+  const ImVec2 size = small->CalcTextSizeA(small->FontSize, 1e6F, 0.0F, words);
+  const float in = paint.px(6.0F);
+  left = right - size.x - 2.0F * in;
+  const float y = ImGui::GetItemRectMin().y;
+  const float height = ImGui::GetItemRectSize().y;
+  ImGui::SetCursorScreenPos({left, y - in});
+  const bool pressed = ImGui::InvisibleButton(words, {size.x + 2.0F * in, height + 2.0F * in});
+  paint.note(words);
+  const bool hot = ImGui::IsItemHovered();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  if (hot) {
+    list->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(),
+                        packed(paint.theme.raised), paint.px(Measures::kCorner));
+    ImGui::SetTooltip("%s", tooltip);
+  }
+  list->AddText(small, small->FontSize, {left + in, y}, packed(paint.theme.accent), words);
+  return pressed;
+}
+
+/// Out to other programs and in from them, on the line of the section's title.
+void drawExchangeLinks(const Painter& paint, bool labelled, ExchangePanelState& exchange) {
+  using Dialog = ExchangePanelState::Dialog;
+  const ImVec2 below = ImGui::GetCursorScreenPos();
+  float right = below.x + ImGui::GetContentRegionAvail().x + paint.px(6.0F);
+  const ImVec2 line = ImGui::GetItemRectMin();
+  const float height = ImGui::GetItemRectSize().y;
+  const auto sameLine = [&] {  // of the title, whatever was drawn since
+    ImGui::SetCursorScreenPos(line);
+    ImGui::Dummy({1.0F, height});
+  };
+  if (labelled) {
+    sameLine();
+    if (link(paint, "Export\xe2\x80\xa6", "Labels to a file for another program", right, right)) {
+      exchange.wanted = Dialog::Export;
+    }
+  }
+  sameLine();
+  if (link(paint, "From file\xe2\x80\xa6", "Labels of another program into this case", right,
+           right)) {
+    exchange.wanted = Dialog::Join;
+  }
+  ImGui::SetCursorScreenPos(below);
+}
+
 }  // namespace
 
 const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segment) {
@@ -178,8 +225,10 @@ const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segmen
   return chosen;
 }
 
-void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
+void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state,
+                    ExchangePanelState& exchange) {
   section(paint, "LABELS");
+  drawExchangeLinks(paint, !segment.labels.empty(), exchange);
   if (segment.labels.empty()) {
     sentence(paint, "Nothing is labelled yet. Choose a tissue below and press Segment tissue.");
     state.label.clear();

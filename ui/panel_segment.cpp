@@ -129,7 +129,7 @@ void drawHistory(const Painter& paint, const SegmentModel& segment) {
 }  // namespace
 
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
-                      ViewState& views, double now) {
+                      ExchangePanelState& exchange, ViewState& views, double now) {
   heading(paint, "Segment");
   views.preview.reset();
   if (!model.openCase.open) {
@@ -143,7 +143,7 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() - paint.px(12.0F));  // a section brings its own
   ImGui::BeginChild("tools", {0.0F, -(state.footer + spacing)}, false,
                     ImGuiWindowFlags_NoBackground);
-  drawLabelTable(paint, model.segment, state);
+  drawLabelTable(paint, model.segment, state, exchange);
   drawTools(paint, state, labelled);
   section(paint, toolWords(state.kind).title);
   drawToolSettings(paint, model, state);

@@ -28,6 +28,7 @@ Result<std::unique_ptr<Workspace>> Workspace::load(const std::filesystem::path& 
 }
 
 void Workspace::showVolume(const Volume& volume) {
+  exchange_ = {};
   textures_.setVolume(volume);
   modality_ = volume.modality;
   followedStep_ = ~std::uint64_t{0};
@@ -115,14 +116,16 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       actions.push_back(act::ForceOff{});
       if (model.simulate.grabbed) actions.push_back(act::Grab{false});
       // One thing a press, the nearest first.
-      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) {
-        ImGui::ClosePopupToLevel(0, true);
+      if (const int open = ImGui::GetCurrentContext()->OpenPopupStack.Size; open > 0) {
+        ImGui::ClosePopupToLevel(open - 1, true);
       } else if (help_) {
         help_ = false;
       } else if (!ImGui::GetIO().WantTextInput &&
                  (model.task != Task::Segment || !segment_.abandon())) {
         fill(std::nullopt);
       }
+    } else if (ImGui::GetTopMostPopupModal() != nullptr) {
+      continue;  // a dialog is open: it is answered first
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '4') {
       actions.push_back(act::ShowTask{static_cast<Task>(key[0] - '1')});
     } else if (key == "space") {
@@ -203,7 +206,7 @@ void Workspace::drawPanel(const Painter& paint, const Model& model, double now) 
       drawLibraryPanel(paint, model, library_);
       break;
     case Task::Segment:
-      drawSegmentPanel(paint, model, segment_, state_, now);
+      drawSegmentPanel(paint, model, segment_, exchange_, state_, now);
       break;
     case Task::Simulate:
       drawSimulatePanel(paint, model, spaceHolds_);
@@ -385,6 +388,9 @@ void Workspace::needCharacters(Window& window, const Model& model) const {
   need(segment_.name);
   need(segment_.editName);
   for (const std::string& part : segment_.parts) need(part);
+  for (const std::string* text : {&exchange_.path, &exchange_.from, &exchange_.only}) need(*text);
+  need(model.segment.exchange.folder.string());
+  for (const DirectoryRow& entry : model.segment.exchange.entries) need(entry.name);
 }
 
 Actions Workspace::draw(Window& window, const Model& model, double now, bool patient) {
@@ -418,6 +424,7 @@ Actions Workspace::draw(Window& window, const Model& model, double now, bool pat
   drawMessages(paint, middle, model.messages);
   const Rect whole{0, 0, width, height};
   drawShortcuts(paint, whole, help_);
+  drawExchange(paint, whole, model, exchange_, segment_.label);
   if (model.askClose) drawCloseQuestion(paint, whole);
   return actions;
 }

@@ -89,6 +89,7 @@ class Workspace {
   std::shared_ptr<const LabelGrid> labels_;
   LibraryPanelState library_;
   SegmentPanelState segment_;
+  ExchangePanelState exchange_;
   TriangleMesh instrument_;
   Camera startCamera_;
   bool spaceHolds_ = false, armHeld_ = false, gripped_ = false, help_ = false;

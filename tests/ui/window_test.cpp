@@ -343,6 +343,74 @@ TEST_F(WindowTest, ApplyIsInReachInEveryTool) {
   }
 }
 
+std::vector<ExportWish> exportsOf(const Actions& actions) {
+  std::vector<ExportWish> wishes;
+  for (const Action& action : actions) {
+    if (const auto* wish = std::get_if<act::ExportLabels>(&action)) wishes.push_back(wish->wish);
+  }
+  return wishes;
+}
+
+constexpr const char* kOpenExport = "wait 2\nclick-item Export\xe2\x80\xa6\nwait 3\n";
+
+TEST_F(InteractionTest, AnExportIsNamedByThePseudonymAndItsFormat) {
+  shown_.model.task = Task::Segment;
+  shown_.model.openCase.fileName = "Case-7F3A";
+  shown_.model.segment.exchange.folder = "/out";
+  shown_.model.segment.labels.push_back({"a/b", 2, {90, 120, 200}, 8, 8.0, true});
+  const auto wishes = exportsOf(
+      play(std::string(kOpenExport) + "click-item Export\nwait 3\n" + kOpenExport +
+           "click-item STL\nwait 2\nclick-item Export\nwait 3\n" + kOpenExport +
+           "click-item What to export\nwait 3\nclick-item Only bone\nwait 3\nclick-item Export\n" +
+           "wait 3\n" + kOpenExport + "click-item NRRD\nwait 2\nclick-item Export\nwait 3"));
+  ASSERT_EQ(wishes.size(), 4U);
+  EXPECT_EQ(wishes[0].file, "/out/Case-7F3A-labels.dcm");
+  EXPECT_TRUE(wishes[0].labels.empty());
+  EXPECT_EQ(wishes[1].file, "/out/Case-7F3A-a-b.stl") << "the label that is worked on";
+  EXPECT_EQ(wishes[1].labels, std::vector<std::string>{"a/b"});
+  EXPECT_EQ(wishes[2].file, "/out/Case-7F3A-bone.stl");
+  EXPECT_EQ(wishes[3].file, "/out/Case-7F3A-labels.seg.nrrd");
+  EXPECT_TRUE(wishes[3].labels.empty());
+}
+
+TEST_F(InteractionTest, AnEndingThatIsTypedChoosesTheFormat) {
+  shown_.model.task = Task::Segment;
+  const auto wishes =
+      exportsOf(play(std::string(kOpenExport) +
+                     "click-item Path of the file\nwait 1\nhold ctrl\nkey a\nlet ctrl\nwait 1\n"
+                     "text /out/mine.ply\nwait 2\nclick-item Export\nwait 3\n" +
+                     kOpenExport + "click-item NRRD\nwait 2\nclick-item Export\nwait 3"));
+  ASSERT_EQ(wishes.size(), 2U);
+  EXPECT_EQ(wishes[0].file, "/out/mine.ply");
+  EXPECT_EQ(wishes[0].labels, std::vector<std::string>{"bone"});
+  EXPECT_EQ(wishes[1].file, "/out/mine.seg.nrrd") << "a name that was chosen stays";
+  EXPECT_TRUE(wishes[1].labels.empty());
+}
+
+TEST_F(InteractionTest, AFileThatIsThereIsAskedAbout) {
+  shown_.model.task = Task::Segment;
+  auto& asks = shown_.model.segment.exchange.asks;
+  asks = ExportWish{"/out/there.dcm", {}, true};
+  Actions actions = play("wait 3\nclick-item Replace it\nwait 1");
+  ASSERT_EQ(exportsOf(actions).size(), 1U);
+  EXPECT_TRUE(exportsOf(actions)[0].overwrite);
+  asks.reset();
+  (void)play("wait 3");
+  asks = ExportWish{"/out/there.dcm", {}, true};
+  actions = play("wait 3\nkey escape\nwait 1");
+  EXPECT_TRUE(exportsOf(actions).empty());
+  EXPECT_GE(countOf<act::KeepFile>(actions), 1) << "escape keeps the file";
+  EXPECT_EQ(countOf<act::ForceOff>(actions), 1);
+}
+
+TEST_F(InteractionTest, KeysWaitWhileADialogIsOpen) {
+  shown_.model.task = Task::Segment;
+  const Actions actions = play(std::string(kOpenExport) + "key space\nkey 3\nkey r\nwait 2");
+  EXPECT_EQ(countOf<act::StartStop>(actions) + countOf<act::ShowTask>(actions) +
+                countOf<act::Record>(actions),
+            0);
+}
+
 TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {
   (void)play("key v\nwait 2");
   Picture picture;
