@@ -194,7 +194,8 @@ void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
   }
   segment.previewText = compared(outcome.voxelsBefore, outcome.voxelsAfter);
   segment.previewShown = true;
-  workspace_->showLabels(std::shared_ptr<const LabelGrid>(outcome.labels, &outcome.labels->labels));
+  workspace_->showPreview(
+      std::shared_ptr<const LabelGrid>(outcome.labels, &outcome.labels->labels));
   workspace_->showRows(rowsOf(*outcome.labels));
 }
 

@@ -61,6 +61,8 @@ struct SegmentPanelState {
   bool byEdges = false;
   std::vector<std::string> parts;  ///< Labels of a split; the first is the label itself.
   std::size_t part = 0;            ///< That a click puts a seed of.
+  /// Of the parts, as the split will draw them; packed as Dear ImGui does.
+  std::vector<std::uint32_t> partColours;
 
   std::uint8_t editing = 0;  ///< Label whose name, colour and material are shown; 0: none.
   std::string editName;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/base/counted.h"
+#include "imaging/segment/apply.h"
 #include "imaging/segment/recipe.h"
 #include "ui/colours.h"
 #include "ui/format.h"
@@ -199,12 +200,34 @@ void drawBoxSettings(const Painter& paint, SegmentPanelState& state) {
   }
 }
 
+/// Each part in the colour of its label, or in that which a new label of the name gets.
+void colourParts(const SegmentModel& segment, SegmentPanelState& state) {
+  LabelTable before;
+  for (const LabelRow& row : segment.labels) {
+    before.push_back({row.name, row.value, row.colour, row.material});
+  }
+  LabelTable table = before;
+  state.partColours.clear();
+  for (std::size_t p = 0; p < state.parts.size(); ++p) {
+    const std::string& name = state.parts[p];
+    const auto row = rowFor(name.empty() ? "part " + std::to_string(p) : name, table);
+    auto colour = row ? row->colour : labelColour(p);
+    const bool old = std::any_of(before.begin(), before.end(),
+                                 [&name](const LabelInfo& l) { return l.name == name; });
+    for (const AnatomyRow& anatomy : segment.anatomies) {
+      if (!old && anatomy.name == name) colour = anatomy.colour;
+    }
+    state.partColours.push_back(IM_COL32(colour[0], colour[1], colour[2], 255));
+  }
+}
+
 void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
   if (state.parts.empty() || state.parts[0] != state.label) {
     state.parts = {state.label, ""};
     state.part = 0;
     state.picks.clear();
   }
+  colourParts(segment, state);
   for (std::size_t p = 0; p < state.parts.size(); ++p) {
     ImGui::PushID(static_cast<int>(p));
     const float side = paint.px(32.0F);
@@ -217,7 +240,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
       list->AddRectFilled(a, {a.x + side, a.y + side}, packed(paint.theme.raised), paint.px(6.0F));
       list->AddCircle(middle, paint.px(10.0F), packed(paint.theme.text), 24, paint.px(1.5F));
     }
-    list->AddCircleFilled(middle, paint.px(6.0F), partColour(p), 20);
+    list->AddCircleFilled(middle, paint.px(6.0F), pickColour(state, p), 20);
     ImGui::SameLine();
     const auto clicks = std::count_if(state.picks.begin(), state.picks.end(),
                                       [p](const auto& pick) { return pick.part == p; });
@@ -227,7 +250,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(shortened(state.label, paint.fonts.body, paint.px(150.0F)).c_str());
     } else {
-      ImGui::InputTextWithHint("##part", "Name of this part", &state.parts[p]);
+      ImGui::InputTextWithHint("##part", "Name", &state.parts[p]);
       if (ImGui::IsItemActivated()) state.part = p;
       paint.note("Name of part " + std::to_string(p + 1));
       ImGui::SameLine();

@@ -77,15 +77,14 @@ tool::Scissors scissorsInSlice(const SegmentPanelState& state, const SliceMouse&
 }
 
 /// Grow takes any voxel; the others mean a part of the label, which a hand may miss by a little.
-void pickInSlice(SegmentPanelState& state, const SliceMouse& at) {
+void pick(SegmentPanelState& state, const Eigen::Vector3d& under, const LabelGrid* labels,
+          std::uint8_t label) {
   constexpr double kMissed_mm = 4.0;
-  const Eigen::Vector3d under = pointUnder(at, true);
   if (state.kind == ToolKind::Grow) {
     state.picks.push_back({under, state.part});
     return;
   }
-  const auto on =
-      at.labels != nullptr ? nearestOf(*at.labels, at.label, under, kMissed_mm) : std::nullopt;
+  const auto on = labels != nullptr ? nearestOf(*labels, label, under, kMissed_mm) : std::nullopt;
   state.missed = !on.has_value();
   if (on) state.picks.push_back({*on, state.part});
 }
@@ -147,7 +146,7 @@ bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& action
   }
   const bool pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(0);
   if (pressed && gesture == Gesture::Pick) {
-    pickInSlice(state, at);
+    pick(state, pointUnder(at, true), at.labels, at.label);
     return true;
   }
   if (pressed) state.drawingIn = at.view;
@@ -183,13 +182,14 @@ struct SlicePen {
   }
 };
 
-void drawPick(const SlicePen& pen, const SegmentPanelState::Pick& pick) {
+void drawPick(const SlicePen& pen, const SegmentPanelState& state,
+              const SegmentPanelState::Pick& pick) {
   const double off = std::abs(pen.off(pick.at_mm));
   if (off > 6.0) return;
   const float alpha = off < 0.6 ? 1.0F : 0.35F;
   const ImVec2 p = pen.at(pick.at_mm);
   const float r = 4.5F * pen.over.scale;
-  const ImU32 colour = partColour(pick.part);
+  const ImU32 colour = pickColour(state, pick.part);
   const ImU32 faded = (colour & 0x00ffffffU) | (static_cast<ImU32>(alpha * 255.0F) << 24U);
   pen.over.list->AddCircleFilled(p, r, faded, 20);
   pen.over.list->AddCircle(p, r + 1.0F, IM_COL32(0, 0, 0, static_cast<int>(200 * alpha)), 20,
@@ -242,7 +242,7 @@ void drawEditInSlice(const SegmentPanelState& state, const SliceOverlay& over, V
   const SlicePen pen{over};
   const Gesture gesture = gestureOf(state);
   if (gesture == Gesture::Pick) {
-    for (const auto& pick : state.picks) drawPick(pen, pick);
+    for (const auto& pick : state.picks) drawPick(pen, state, pick);
   }
   if (gesture == Gesture::Rectangle) drawBox(pen, state);
   if (gesture == Gesture::Stroke) drawBrush(pen, state, view);
@@ -301,19 +301,19 @@ std::optional<Eigen::Vector3d> firstLabelled(const LabelGrid& labels,
 }
 
 bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& area,
-                 const LabelGrid* labels, const std::vector<std::uint8_t>& hidden,
-                 Actions& actions) {
+                 const ScenePicks& picks, Actions& actions) {
   const Gesture gesture = gestureOf(state);
   const ImGuiIO& io = ImGui::GetIO();
   if (gesture != Gesture::None && stillAbandoned(state)) return true;
-  if (gesture == Gesture::Pick && labels != nullptr) {
+  if (gesture == Gesture::Pick && picks.seen != nullptr) {
     const bool click = ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(0) &&
                        io.MouseDragMaxDistanceSqr[0] < kClickPixels * kClickPixels;
     if (!click) return false;
     const Eigen::Vector2d uv = sceneAngles(camera, area, mousePixel());
     const Eigen::Vector3d ray = camera.q_PC * Eigen::Vector3d(uv.x(), uv.y(), -1.0);
-    const auto hit = firstLabelled(*labels, hidden, camera.eye_mm(), ray);
-    if (hit) state.picks.push_back({*hit, state.part});
+    const auto hit = firstLabelled(*picks.seen, picks.hidden, camera.eye_mm(), ray);
+    state.missed = !hit.has_value();
+    if (hit) pick(state, *hit, picks.labels, picks.label);
     return true;
   }
   if (gesture != Gesture::Outline) return false;
@@ -339,7 +339,7 @@ bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& are
 }
 
 void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const Rect& area,
-                     const Theme& theme, float scale) {
+                     const ScenePicks& picks, const Theme& theme, float scale) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect({area.x, area.y}, {area.right(), area.bottom()}, true);
   if (state.drawingIn == View::Scene) drawOutline(*list, state.outline, theme, scale);
@@ -351,14 +351,30 @@ void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const
       if (seen.z() <= 0.0) continue;
       const ImVec2 p(area.x + 0.5F * area.w + static_cast<float>(seen.x() / seen.z() * half),
                      area.y + 0.5F * area.h - static_cast<float>(seen.y() / seen.z() * half));
-      list->AddCircleFilled(p, 5.0F * scale, partColour(pick.part), 20);
+      // Behind the anatomy it is a ring: it does not lie on what hides it.
+      constexpr double kBehind_mm = 4.0;
+      const Eigen::Vector3d ray = pick.at_mm - camera.eye_mm();
+      const auto first = picks.seen != nullptr
+                             ? firstLabelled(*picks.seen, picks.hidden, camera.eye_mm(), ray)
+                             : std::nullopt;
+      const bool behind = first && (*first - camera.eye_mm()).norm() < ray.norm() - kBehind_mm;
+      const ImU32 colour = pickColour(state, pick.part);
+      if (behind) {
+        list->AddCircle(p, 4.5F * scale, IM_COL32(0, 0, 0, 140), 20, 3.0F * scale);
+        list->AddCircle(p, 4.5F * scale, colour, 20, 1.5F * scale);
+        continue;
+      }
+      list->AddCircleFilled(p, 5.0F * scale, colour, 20);
       list->AddCircle(p, 6.0F * scale, IM_COL32(0, 0, 0, 200), 20, 1.5F * scale);
     }
   }
   list->PopClipRect();
 }
 
-ImU32 partColour(std::size_t part) {
+ImU32 pickColour(const SegmentPanelState& state, std::size_t part) {
+  if (state.kind == ToolKind::Split && part < state.partColours.size()) {
+    return state.partColours[part];
+  }
   const auto c = labelColour(part);
   return IM_COL32(c[0], c[1], c[2], 255);
 }

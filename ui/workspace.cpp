@@ -43,10 +43,15 @@ void Workspace::showVolume(const Volume& volume) {
 
 void Workspace::showLabels(std::shared_ptr<const LabelGrid> labels) {
   labels_ = std::move(labels);
-  if (labels_ == nullptr || labels_->labels.empty()) {
+  showPreview(labels_);
+}
+
+void Workspace::showPreview(std::shared_ptr<const LabelGrid> labels) {
+  seen_ = std::move(labels);
+  if (seen_ == nullptr || seen_->labels.empty()) {
     textures_.dropLabels();
   } else {
-    textures_.setLabels(*labels_);
+    textures_.setLabels(*seen_);
   }
 }
 
@@ -92,6 +97,7 @@ void Workspace::showInstrument(const Instrument& instrument) {
 
 void Workspace::clearCase() {
   labels_.reset();
+  seen_.reset();
   textures_.clear();
   showBodies({});
   scene_->surface().clear();
@@ -295,14 +301,14 @@ void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& m
       model.simulate.running && model.simulate.hand == HandKind::Mouse && model.snapshot != nullptr;
   const bool holding = mouseHand && (model.simulate.grabbed || shift);
   const bool edits = model.task == Task::Segment && model.openCase.open;
-  const bool taken = edits && editInScene(segment_, state_.camera, area, labels_.get(),
-                                          hiddenLabels(model), paint.actions);
+  const ScenePicks picks{seen_.get(), labels_.get(), chosenValue(model), hiddenLabels(model)};
+  const bool taken = edits && editInScene(segment_, state_.camera, area, picks, paint.actions);
   if (!taken && interactWithScene(state_.camera, area, holding, paint.actions)) {
     fill(state_.filled ? std::nullopt : std::optional(View::Scene));
   }
   gripped_ = holding && ImGui::IsItemActive() && ImGui::IsMouseDown(0);
   scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
-  if (edits) drawEditInScene(segment_, state_.camera, area, paint.theme, paint.scale);
+  if (edits) drawEditInScene(segment_, state_.camera, area, picks, paint.theme, paint.scale);
   if (holding) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     ImGui::GetWindowDrawList()->AddRect({area.x + 1, area.y + 1},
@@ -321,16 +327,20 @@ std::vector<std::uint8_t> Workspace::hiddenLabels(const Model& model) const {
   return hidden;
 }
 
+std::uint8_t Workspace::chosenValue(const Model& model) const {
+  for (const LabelRow& row : model.segment.labels) {
+    if (row.name == segment_.label) return row.value;
+  }
+  return 0;
+}
+
 SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view) {
   if (model.task != Task::Segment || !model.openCase.open) return {};
   SliceTool tool;
   tool.takes = [this, &paint, &model, view](const Rect& area, const SlicePlane& plane,
                                             const SliceFit& fit, double slice) {
-    std::uint8_t value = 0;
-    for (const LabelRow& row : model.segment.labels) {
-      if (row.name == segment_.label) value = row.value;
-    }
-    const SliceMouse at{labels_.get(), value, view, area, textures_.grid(), plane, fit, slice};
+    const SliceMouse at{labels_.get(), chosenValue(model), view, area, textures_.grid(), plane, fit,
+                        slice};
     return editInSlice(segment_, at, paint.actions);
   };
   tool.draws = [this, view](const SliceOverlay& over) { drawEditInSlice(segment_, over, view); };

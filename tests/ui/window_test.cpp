@@ -232,6 +232,24 @@ TEST_F(InteractionTest, TheWheelTurnsSlicesAndTheRightButtonChangesTheWindow) {
       << "left of the middle is the patient's right";
 }
 
+/// Seeds go onto the label as it is, though the preview already shows a part of it as another.
+TEST_F(InteractionTest, ASplitIsMendedByAClickOnWhatThePreviewTookAway) {
+  shown_.model.snapshot = nullptr;
+  shown_.model.task = Task::Segment;
+  SegmentPanelState& state = workspace_->segment();
+  (void)play("wait 1");
+  state.kind = ToolKind::Split;
+  LabelGrid preview = shown_.bone;
+  for (auto& label : preview.labels) label = label == 1 ? 2 : 0;
+  workspace_->showPreview(std::make_shared<const LabelGrid>(preview));
+  (void)play("wait 2\nclick 620 300\nwait 2");
+  EXPECT_EQ(state.picks.size(), 1U) << "the forehead, in 3D";
+  EXPECT_FALSE(state.missed);
+  (void)play("click 310 700\nwait 2");
+  EXPECT_EQ(state.picks.size(), 1U);
+  EXPECT_TRUE(state.missed) << "beside the head";
+}
+
 TEST_F(InteractionTest, WithShiftTheMouseMovesTheHandAndNotTheCamera) {
   const Camera before = workspace_->views().camera;
   const Actions actions =
