@@ -37,7 +37,8 @@ struct SegmentPanelState {
   std::uint8_t value = 0;     ///< Its value: the label stays chosen when its name changes.
   std::string name = "bone";  ///< Of the label that a threshold makes.
   std::size_t preset = 0;
-  float low = 226, high = 3071;  ///< Threshold, region growing, and "only these values".
+  float low = 226, high = 3071;        ///< Threshold, region growing, and "only these values".
+  std::optional<std::size_t> dragged;  ///< End of the range that the mouse has: 0 low, 1 high.
   bool largest = false;
   float minMm3 = 0;
 
