@@ -76,8 +76,13 @@ struct SegmentPanelState {
     std::size_t part = 0;
   };
   std::vector<Pick> picks;
-  bool missed = false;                                   ///< The last click was beside the label.
-  std::optional<std::array<Eigen::Vector3d, 2>> box_mm;  ///< Corners, not sorted.
+  bool missed = false;  ///< The last click was beside the label.
+  using Corners = std::array<Eigen::Vector3d, 2>;
+  std::optional<Corners> box_mm;     ///< Not sorted.
+  std::optional<Corners> boxBefore;  ///< The drag that goes on: a mere click changes nothing.
+  /// What the drag moves along each axis of P: a corner's side, both (a new box), or nothing.
+  enum class BoxGrip : std::uint8_t { First, Second, Both, None };
+  std::array<BoxGrip, 3> boxGrip{BoxGrip::Both, BoxGrip::Both, BoxGrip::Both};
 
   /// A stroke or an outline being drawn, until the button is let go.
   std::optional<View> drawingIn;

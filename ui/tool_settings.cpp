@@ -229,7 +229,7 @@ void drawBoxSettings(const Painter& paint, SegmentPanelState& state) {
       segmented(paint, "box", {"Cut inside", "Keep inside"}, state.keepInside ? 1 : 0) == 1;
   toggle(paint, "All labels", state.allLabels);
   if (!state.box_mm) {
-    sentence(paint, "Drag a rectangle in a slice; another slice sets the third side.");
+    sentence(paint, "Drag a rectangle in a slice. Its sides can be dragged, in all slices.");
   } else if (button(paint, icon::kClose, "Clear the box")) {
     state.box_mm.reset();
   }

@@ -109,27 +109,66 @@ void finish(SegmentPanelState& state, const SliceMouse& at, Gesture gesture, Act
   if (gesture == Gesture::Outline && state.outline.size() >= 3) {
     apply(state, scissorsInSlice(state, at), actions);
   }
+  const bool clicked = ImGui::GetIO().MouseDragMaxDistanceSqr[0] < kClickPixels * kClickPixels;
+  if (gesture == Gesture::Rectangle && clicked) state.box_mm = state.boxBefore;
   state.stroke_mm.clear();
   state.outline.clear();
   state.drawingIn.reset();
 }
 
-/// The box's two corners along the slice's axes; along the third it keeps, or spans the scan.
+/// The patient's axis that a slice cuts: the box lies along these.
+int throughAxis(const SliceMouse& at) {
+  int through = 0;
+  at.grid.X_PV.linear().col(at.plane.through).cwiseAbs().maxCoeff(&through);
+  return through;
+}
+
+using BoxGrip = SegmentPanelState::BoxGrip;
+
+/// The sides under the mouse; nothing where a new box would begin.
+std::optional<std::array<BoxGrip, 3>> gripUnder(const SegmentPanelState& state,
+                                                const SliceMouse& at) {
+  constexpr double kReach = 6.0;  // pixels
+  if (!state.box_mm) return {};
+  const Eigen::Vector3d p = pointUnder(at, false);
+  const double reach_mm = kReach / at.fit.pixelsPerMm;
+  const auto& [first, second] = *state.box_mm;
+  const int through = throughAxis(at);
+  std::array<BoxGrip, 3> grip{BoxGrip::None, BoxGrip::None, BoxGrip::None};
+  bool any = false;
+  for (int a = 0; a < 3; ++a) {
+    if (a == through) continue;
+    if (p[a] < std::min(first[a], second[a]) - reach_mm) return {};
+    if (p[a] > std::max(first[a], second[a]) + reach_mm) return {};
+    const double toFirst = std::abs(p[a] - first[a]), toSecond = std::abs(p[a] - second[a]);
+    if (std::min(toFirst, toSecond) > reach_mm) continue;
+    grip[static_cast<std::size_t>(a)] = toFirst < toSecond ? BoxGrip::First : BoxGrip::Second;
+    any = true;
+  }
+  if (!any) return {};
+  return grip;
+}
+
+/// The sides that are held; or a new box's two corners along the slice's axes: along the third it
+/// keeps, or spans the scan.
 void dragBox(SegmentPanelState& state, const SliceMouse& at, bool begins) {
   const Eigen::Vector3d p = pointUnder(at, false);
+  if (begins) {
+    constexpr std::array<BoxGrip, 3> kNew{BoxGrip::Both, BoxGrip::Both, BoxGrip::Both};
+    state.boxGrip = gripUnder(state, at).value_or(kNew);
+  }
   if (!state.box_mm) {
     Eigen::Vector3d last;
     for (int a = 0; a < 3; ++a) last[a] = at.grid.dims[static_cast<std::size_t>(a)] - 1;
     state.box_mm = {pointOf(at.grid, Eigen::Vector3d::Constant(-0.5)) * 1e3,
                     pointOf(at.grid, last + Eigen::Vector3d::Constant(0.5)) * 1e3};
   }
-  // The box lies along the patient's axes: those two that the slice shows.
-  int through = 0;
-  at.grid.X_PV.linear().col(at.plane.through).cwiseAbs().maxCoeff(&through);
+  const int through = throughAxis(at);
   for (int a = 0; a < 3; ++a) {
-    if (a == through) continue;
-    if (begins) (*state.box_mm)[0][a] = p[a];
-    (*state.box_mm)[1][a] = p[a];
+    const BoxGrip grip = state.boxGrip[static_cast<std::size_t>(a)];
+    if (a == through || grip == BoxGrip::None) continue;
+    if (grip == BoxGrip::First || (grip == BoxGrip::Both && begins)) (*state.box_mm)[0][a] = p[a];
+    if (grip != BoxGrip::First) (*state.box_mm)[1][a] = p[a];
   }
 }
 
@@ -144,12 +183,18 @@ bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& action
     finish(state, at, gesture, actions);
     return true;
   }
+  if (gesture == Gesture::Rectangle && ImGui::IsItemHovered() && gripUnder(state, at)) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeAll);
+  }
   const bool pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(0);
   if (pressed && gesture == Gesture::Pick) {
     pick(state, pointUnder(at, true), at.labels, at.label);
     return true;
   }
-  if (pressed) state.drawingIn = at.view;
+  if (pressed) {
+    state.drawingIn = at.view;
+    state.boxBefore = state.box_mm;
+  }
   if (!pressed && !mine) return ImGui::IsItemActive() && ImGui::IsMouseDown(0);
   if (gesture == Gesture::Rectangle) {
     dragBox(state, at, pressed);

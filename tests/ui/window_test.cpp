@@ -232,6 +232,27 @@ TEST_F(InteractionTest, TheWheelTurnsSlicesAndTheRightButtonChangesTheWindow) {
       << "left of the middle is the patient's right";
 }
 
+TEST_F(InteractionTest, SidesOfTheBoxAreDraggedAndAClickChangesNothing) {
+  shown_.model.snapshot = nullptr;
+  shown_.model.task = Task::Segment;
+  SegmentPanelState& state = workspace_->segment();
+  (void)play("wait 1");
+  state.kind = ToolKind::Box;
+  (void)play("drag 1100 120 1180 200\nwait 1");
+  ASSERT_TRUE(state.box_mm);
+  const auto drawn = *state.box_mm;
+  (void)play("click 1130 150\nwait 1");
+  ASSERT_TRUE(state.box_mm);
+  EXPECT_EQ((*state.box_mm)[0], drawn[0]);
+  EXPECT_EQ((*state.box_mm)[1], drawn[1]);
+  (void)play("drag 1180 160 1200 170\nwait 1");
+  const auto moved = *state.box_mm;
+  EXPECT_EQ(moved[0], drawn[0]);
+  EXPECT_GT(moved[1].x(), drawn[1].x()) << "the patient's left is at the right";
+  EXPECT_EQ(moved[1].y(), drawn[1].y());
+  EXPECT_EQ(moved[1].z(), drawn[1].z());
+}
+
 /// Seeds go onto the label as it is, though the preview already shows a part of it as another.
 TEST_F(InteractionTest, ASplitIsMendedByAClickOnWhatThePreviewTookAway) {
   shown_.model.snapshot = nullptr;
