@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-#include <imgui_internal.h>  // after imgui.h: closing a list by Escape
+#include <imgui_internal.h>  // after imgui.h: closing a list by Escape, items over others
 
 #include <algorithm>
 #include <cmath>
@@ -181,12 +181,19 @@ void Workspace::moveByKeys(const Window& window, const Model& model, Actions& ac
   actions.push_back(act::MoveHand{state_.camera.q_PC * (speed * seconds * wish)});
 }
 
+/// An instrument that rests is only in the way of the tools of Segment.
+const Snapshot* Workspace::shownSnapshot(const Model& model) {
+  const bool rests = model.task == Task::Segment && !model.simulate.running;
+  return rests ? nullptr : model.snapshot;
+}
+
 PlacedMesh Workspace::placedTool(const Model& model) const {
   PlacedMesh placed;
-  if (model.snapshot == nullptr || instrument_.triangles.empty()) return placed;
+  const Snapshot* snapshot = shownSnapshot(model);
+  if (snapshot == nullptr || instrument_.triangles.empty()) return placed;
   placed.vertices_T = &instrument_.vertices;
   placed.triangles = &instrument_.triangles;
-  placed.X_PT = isometry(model.snapshot->tool);
+  placed.X_PT = isometry(snapshot->tool);
   return placed;
 }
 
@@ -291,10 +298,11 @@ void Workspace::drawSceneTools(const Painter& paint, const Rect& area, const Mod
 void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift,
                           double now, bool patient) {
   ImGui::SetCursorScreenPos({area.x, area.y});
-  ImGui::SetItemAllowOverlap();
+  // Under its buttons: what is pressed there does not reach the tools.
   ImGui::InvisibleButton("scene", {std::max(1.0F, area.w), std::max(1.0F, area.h)},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
-                             ImGuiButtonFlags_MouseButtonMiddle);
+                             ImGuiButtonFlags_MouseButtonMiddle |
+                             static_cast<int>(ImGuiButtonFlags_AllowItemOverlap));
   ImGui::SetItemAllowOverlap();
   paint.note("3D view");
   const bool mouseHand =
@@ -307,7 +315,7 @@ void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& m
     fill(state_.filled ? std::nullopt : std::optional(View::Scene));
   }
   gripped_ = holding && ImGui::IsItemActive() && ImGui::IsMouseDown(0);
-  scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
+  scene_->draw(area, textures_, state_, shownSnapshot(model), paint.theme, now, patient);
   if (edits) drawEditInScene(segment_, state_.camera, area, picks, paint.theme, paint.scale);
   if (holding) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
@@ -364,12 +372,30 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
   for (std::size_t i = 0; i < slices_.size(); ++i) {
     const auto view = static_cast<View>(i + 1);
     if (!shown(view)) continue;
-    if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool, model.snapshot,
-                        toolFor(paint, model, view), paint.theme, paint.fonts.secondary,
-                        paint.scale)) {
+    if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool,
+                        shownSnapshot(model), toolFor(paint, model, view), paint.theme,
+                        paint.fonts.secondary, paint.scale)) {
       fill(state_.filled ? std::nullopt : std::optional(view));
     }
+    drawEnlarge(paint, view);
   }
+}
+
+/// Tools take the double-click of a slice: a button enlarges it too, shown while the mouse is
+/// there.
+void Workspace::drawEnlarge(const Painter& paint, View view) {
+  const Rect& area = layout_.view[static_cast<std::size_t>(view)];
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (!textures_.loaded() || !area.contains(mouse.x, mouse.y) || segment_.drawingIn) return;
+  const bool filled = state_.filled == view;
+  const float side = paint.px(28.0F);
+  ImGui::SetCursorScreenPos({area.right() - side - paint.px(4.0F), area.y + paint.px(26.0F)});
+  ImGui::PushID(static_cast<int>(view));
+  if (iconButton(paint, filled ? icon::kCompress : icon::kExpand,
+                 filled ? "Smaller (Esc)" : "Fill the window with this slice")) {
+    fill(filled ? std::nullopt : std::optional(view));
+  }
+  ImGui::PopID();
 }
 
 /// Texts from outside, in whatever script.

@@ -78,8 +78,10 @@ class Workspace {
   void drawViews(const Painter& paint, const Model& model, bool shift, double now, bool patient);
   void drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift, double now,
                  bool patient);
+  void drawEnlarge(const Painter& paint, View view);
   void drawSceneTools(const Painter& paint, const Rect& area, const Model& model);
   void drawEmptyScene(const Painter& paint, const Rect& area, const Model& model) const;
+  [[nodiscard]] static const Snapshot* shownSnapshot(const Model& model);
   [[nodiscard]] PlacedMesh placedTool(const Model& model) const;
   void fill(std::optional<View> view) { state_.filled = view; }
 

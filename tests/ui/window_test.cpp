@@ -232,6 +232,21 @@ TEST_F(InteractionTest, TheWheelTurnsSlicesAndTheRightButtonChangesTheWindow) {
       << "left of the middle is the patient's right";
 }
 
+TEST_F(InteractionTest, ASliceIsEnlargedAboutTheMouseAndByItsButton) {
+  shown_.model.snapshot = nullptr;
+  (void)play("click 1100 120\nwait 1");
+  const Eigen::Vector3d before = workspace_->views().crosshair_P;
+  (void)play("hold ctrl\nwheel 5\nlet ctrl\nwait 1\nclick 1100 120\nwait 1");
+  EXPECT_GT(workspace_->views().slice[1].zoom, 1.9);
+  EXPECT_LT((workspace_->views().crosshair_P - before).norm(), 1e-6);
+  shown_.model.task = Task::Segment;
+  workspace_->segment().kind = ToolKind::Brush;
+  (void)play("double 1100 120\nwait 2");
+  EXPECT_EQ(workspace_->views().filled, std::nullopt) << "the brush paints";
+  (void)play("click-item Fill the window with this slice\nwait 2");
+  EXPECT_EQ(workspace_->views().filled, View::Axial);
+}
+
 TEST_F(InteractionTest, SidesOfTheBoxAreDraggedAndAClickChangesNothing) {
   shown_.model.snapshot = nullptr;
   shown_.model.task = Task::Segment;
