@@ -5,6 +5,7 @@ palpate_library(desktop
     desktop_actions.cpp
     desktop_case.cpp
     desktop_child.cpp
+    desktop_exchange.cpp
     desktop_import.cpp
     desktop_job.cpp
     desktop_loop.cpp
@@ -19,7 +20,7 @@ palpate_library(desktop
     label_worker.cpp
     series_rows.cpp
     trade_memo.cpp
-  PUBLIC palpate::ui palpate::imaging palpate::session palpate::devices palpate::wiring
-    palpate::trade
+  PUBLIC palpate::ui palpate::imaging palpate::imaging_exchange palpate::session palpate::devices
+    palpate::wiring palpate::trade
   PRIVATE nlohmann_json::nlohmann_json)
 target_compile_definitions(palpate_desktop PRIVATE PALPATE_VERSION="${PROJECT_VERSION}")

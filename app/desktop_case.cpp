@@ -71,6 +71,7 @@ ui::CaseModel describeCase(const OpenCase& open) {
   model.title = open.info.pseudonym.empty() ? open.folder.filename().string() : open.info.pseudonym;
   if (!open.info.description.empty()) model.title = open.info.description;
   model.modality = open.volume->modality;
+  model.fileName = open.info.pseudonym.empty() ? "case" : open.info.pseudonym;
   const GridGeometry& g = open.volume->geometry;
   model.geometry = ui::spacingText(millimetres(g.spacing.x()), millimetres(g.spacing.y()),
                                    millimetres(g.spacing.z()));

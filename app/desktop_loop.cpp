@@ -78,6 +78,7 @@ Result<std::unique_ptr<Desktop>> Desktop::open(const DesktopOptions& options) {
   model.simulate.latch = demo;
   self->simulation_.setHand(demo || options.screenshot ? ui::HandKind::Demo : ui::HandKind::Mouse);
   self->startAfterPrepare_ = demo || options.screenshot.has_value();
+  model.segment.exchange.folder = self->resolved("~");
   self->lookForDevices();
   self->readDatasets();
   self->openFirstCase();
@@ -101,6 +102,7 @@ void Desktop::complain(const Error& error, const std::string& meaning) {
   message.meaning = meaning;
   Error rest = error;
   rest.message.clear();
+  if (rest.field && rest.field->rfind("--", 0) == 0) rest.field.reset();  // a command's option
   if (rest.advice) rest.advice = withoutCommandLine(*rest.advice);
   message.advice = sentence(rest);
   if (!message.advice.empty() && message.advice[0] == ' ') message.advice.erase(0, 1);
@@ -315,6 +317,10 @@ void Desktop::carryOutOne(const ui::Action& action) {
           [this](const act::DropPreview&) { dropPreview(); },
           [this](const act::ApplyStep& a) { applyStepNow(a.step); },
           [this](const act::EditLabel& a) { editLabel(a); },
+          [this](const act::ExportLabels& a) { exportLabelsNow(a.wish); },
+          [this](const act::KeepFile&) { model_.segment.exchange.asks.reset(); },
+          [this](const act::JoinLabels& a) { joinLabelsNow(a.file, a.only); },
+          [this](const act::BrowseLabels& a) { browseLabels(a.folder); },
           [this](const act::TouchIt&) { touchIt(); },
           [this](const act::ShowLabel& a) {
             for (LabelRow& row : model_.segment.labels) {

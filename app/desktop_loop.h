@@ -83,6 +83,7 @@ class Desktop {
   void pollLabels();
   void takeOutcome(LabelWorker::Outcome& outcome);
   void takePreview(const LabelWorker::Outcome& outcome);
+  void sayJoined(const LabelWorker::Outcome& outcome);
   void takeSurfaces(LabelWorker::Outcome& outcome);
   void dropPreview();
   void applyStepNow(const LabelStep& step);
@@ -98,6 +99,12 @@ class Desktop {
   void describeUndo();
   [[nodiscard]] int meshStep() const;
   [[nodiscard]] std::vector<ui::LabelRow> rowsOf(const CountedLabels& labels) const;
+
+  // desktop_exchange.cpp: labels to files of other programs, and from them
+  void exportLabelsNow(const ui::ExportWish& wish);
+  void joinLabelsNow(const std::filesystem::path& file, const std::string& only);
+  [[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& typed) const;
+  void browseLabels(const std::filesystem::path& folder);
 
   // desktop_scene.cpp: what is felt
   void readDatasets();

@@ -16,15 +16,18 @@ namespace fs = std::filesystem;
 constexpr std::size_t kKept = 8;
 constexpr std::size_t kListed = 500;
 
-bool mayBeScan(const fs::path& file) {
-  static const std::set<std::string> kKnown{".dcm",  ".inv3", ".nii", ".gz",  ".nrrd",
+bool mayBe(Listed listed, const fs::path& file) {
+  static const std::set<std::string> kScans{".dcm",  ".inv3", ".nii", ".gz",  ".nrrd",
                                             ".nhdr", ".mha",  ".mhd", ".zip", ".tar",
                                             ".tgz",  ".xz",   ".ima", ".bz2"};
+  static const std::set<std::string> kLabels{".dcm",  ".mha", ".mhd", ".nrrd",
+                                             ".nhdr", ".stl", ".ply", ".obj"};
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (listed == Listed::Labels) return kLabels.contains(extension);
   // DICOM files of hospitals often have no extension, or a number.
-  return extension.empty() || kKnown.contains(extension) || file.filename() == "DICOMDIR";
+  return extension.empty() || kScans.contains(extension) || file.filename() == "DICOMDIR";
 }
 
 }  // namespace
@@ -75,7 +78,7 @@ void RecentCases::write() const {
   (void)writeWholeFile(file_, text);
 }
 
-std::vector<ui::DirectoryRow> listFolder(const fs::path& folder) {
+std::vector<ui::DirectoryRow> listFolder(const fs::path& folder, Listed listed) {
   std::vector<ui::DirectoryRow> rows;
   std::error_code error;
   for (fs::directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end;
@@ -84,7 +87,7 @@ std::vector<ui::DirectoryRow> listFolder(const fs::path& folder) {
     if (name.empty() || name[0] == '.') continue;
     std::error_code ignored;
     const bool isFolder = it->is_directory(ignored);
-    if (isFolder || mayBeScan(it->path())) rows.push_back({name, isFolder});
+    if (isFolder || mayBe(listed, it->path())) rows.push_back({name, isFolder});
   }
   std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
     return a.folder != b.folder ? a.folder : a.name < b.name;

@@ -23,7 +23,10 @@ class RecentCases {
   std::vector<std::filesystem::path> folders_;
 };
 
-/// Folders, and files that could be scans; sorted, hidden ones left out, at most 500.
-[[nodiscard]] std::vector<ui::DirectoryRow> listFolder(const std::filesystem::path& folder);
+enum class Listed : std::uint8_t { Scans, Labels };
+/// Folders, and files that could be scans, or labels and surfaces; sorted, hidden ones left out, at
+/// most 500.
+[[nodiscard]] std::vector<ui::DirectoryRow> listFolder(const std::filesystem::path& folder,
+                                                       Listed listed = Listed::Scans);
 
 }  // namespace palpate

@@ -40,16 +40,22 @@ Error plain(Error error) {
   return error;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
 std::string describe(const LabelStep& step) {
   return toolTitle(step.tool) + ", " + step.label;
 }
 
-/// "Preview: 432 952 voxels, 1 203 fewer"
+/// "Preview: 1 203 voxels fewer": what the label gains or loses.
 std::string compared(std::uint64_t was, std::uint64_t is) {
-  const std::string change = is > was   ? ui::grouped(is - was) + " more"
-                             : is < was ? ui::grouped(was - is) + " fewer"
-                                        : std::string("no change");
-  return "Preview: " + ui::grouped(is) + (is == 1 ? " voxel, " : " voxels, ") + change;
+  if (was == is) return "Preview: no voxel more or fewer";
+  const std::uint64_t change = was > is ? was - is : is - was;
+  const char* how = was == 0 ? "" : is > was ? " more" : " fewer";
+  return "Preview: " + ui::grouped(change) + (change == 1 ? " voxel" : " voxels") + how;
 }
 
 }  // namespace
@@ -127,21 +133,40 @@ void Desktop::takeOutcome(LabelWorker::Outcome& outcome) {
   if (!outcome.labels) {
     restoring_ = Restoring::No;
     dropPreview();
-    return complain(plain(outcome.error), "The labels are as they were.");
+    const bool file = outcome.kind == Kind::Joined;
+    return complain(file ? outcome.error : plain(outcome.error), "The labels are as they were.");
   }
   const UndoEntry past{outcome.before, outcome.before->table, "", recipe_};
-  if (outcome.kind == Kind::Step) {
+  if (outcome.kind != Kind::Restored) {
     undo_.push_back(past);
-    undo_.back().what = describe(outcome.step);
+    undo_.back().what =
+        outcome.kind == Kind::Step ? describe(outcome.step) : std::string("Labels from a file");
     if (undo_.size() > kUndoSteps) undo_.erase(undo_.begin());
     redo_.clear();
-    recipe_.steps.push_back(outcome.step);
     workspace_->segment().forgetPicks();  // the next stroke may be under way
+    if (outcome.kind == Kind::Step) {
+      recipe_.steps.push_back(outcome.step);
+    } else {
+      recipe_.whole = false;  // no step makes the labels of a file
+      sayJoined(outcome);
+    }
   } else {
     moveBetween(past);
   }
   takeLabels(outcome.labels);
   saveLabels();
+}
+
+void Desktop::sayJoined(const LabelWorker::Outcome& outcome) {
+  ui::MessageModel message;
+  message.happened = "The labels of the file are in the case.";
+  if (!outcome.added.empty()) message.meaning = "New: " + listed(outcome.added) + ". ";
+  if (!outcome.replaced.empty()) message.meaning += "Replaced: " + listed(outcome.replaced) + ".";
+  message.advice = "Undo takes them back.";
+  say(std::move(message));
+  for (const std::string& warning : outcome.warnings) {
+    say({ui::MessageModel::Kind::Warning, warning, "", ""});
+  }
 }
 
 /// The newest of one stack was carried out: it becomes the newest of the other.
@@ -166,7 +191,7 @@ void Desktop::takePreview(const LabelWorker::Outcome& outcome) {
   }
   segment.previewText = compared(outcome.voxelsBefore, outcome.voxelsAfter);
   segment.previewShown = true;
-  workspace_->showLabels(outcome.labels->grid);
+  workspace_->showPreview(outcome.labels->grid);
   workspace_->showRows(rowsOf(*outcome.labels));
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "imaging/exchange/label_exchange.h"
 #include "imaging/segment/recipe.h"
 
 namespace palpate {
@@ -59,7 +60,7 @@ void LabelWorker::preview(const LabelStep& step) {
   dropPreview();
   const std::lock_guard lock(mutex_);
   if (!volume_) return;
-  waiting_.push_back({Kind::Preview, step, {}});
+  waiting_.push_back({Kind::Preview, step, {}, {}, {}});
   wake_.notify_all();
 }
 
@@ -74,7 +75,16 @@ void LabelWorker::commit(const LabelStep& step) {
     if (!same || made) cancel_->cancel();
   }
   if (drawing_) cancel_->cancel();  // of labels that are soon out of date
-  waiting_.push_back({Kind::Step, step, {}});
+  waiting_.push_back({Kind::Step, step, {}, {}, {}});
+  wake_.notify_all();
+}
+
+void LabelWorker::join(const std::filesystem::path& file, const std::string& only) {
+  dropPreview();
+  const std::lock_guard lock(mutex_);
+  if (!volume_) return;
+  if (drawing_) cancel_->cancel();
+  waiting_.push_back({Kind::Joined, {}, {}, file, only});
   wake_.notify_all();
 }
 
@@ -83,7 +93,7 @@ void LabelWorker::restore(std::shared_ptr<const PackedState> state) {
   const std::lock_guard lock(mutex_);
   if (!volume_ || !state) return;
   if (drawing_) cancel_->cancel();
-  waiting_.push_back({Kind::Restored, {}, std::move(state)});
+  waiting_.push_back({Kind::Restored, {}, std::move(state), {}, {}});
   wake_.notify_all();
 }
 
@@ -141,8 +151,9 @@ ui::JobModel LabelWorker::model() const {
   const Request* request = shown();
   if (request == nullptr) return model;
   model.active = true;
-  model.title =
-      request->kind == Kind::Restored ? "Restoring the labels" : toolTitle(request->step.tool);
+  model.title = request->kind == Kind::Restored ? "Restoring the labels"
+                : request->kind == Kind::Joined ? "Taking the labels of the file"
+                                                 : toolTitle(request->step.tool);
   if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
@@ -193,7 +204,17 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 }
 
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
-                                              const CountedLabels& before) {
+                                              const CountedLabels& before, Outcome& outcome) {
+  if (request.kind == Kind::Joined) {
+    auto joined = joinLabels(request.file, volume.geometry, request.only,
+                             {*before.grid, before.table}, rowsOfAnatomies(anatomies_),
+                             progress(0.0, kWork));
+    if (!joined) return fail(joined.error());
+    outcome.replaced = std::move(joined->replaced);
+    outcome.added = std::move(joined->added);
+    outcome.warnings = std::move(joined->warnings);
+    return countedLabels(std::move(joined->state));
+  }
   if (request.kind == Kind::Restored) {
     auto labels = request.state->labels.unpack(progress(0.0, kWork));
     if (!labels) return fail(labels.error());
@@ -221,7 +242,7 @@ void LabelWorker::carryOut(const Request& request, std::uint64_t generation) {
   Outcome outcome;
   outcome.kind = request.kind;
   outcome.step = request.step;
-  auto after = labelsAfter(request, *volume, *before);
+  auto after = labelsAfter(request, *volume, *before, outcome);
   if (after && request.kind != Kind::Preview) {
     auto packed = PackedLabels::pack(*before->grid, progress(kWork, 1.0 - kWork));
     if (packed) {

@@ -34,6 +34,7 @@ class LabelWorker {
   enum class Kind : std::uint8_t {
     Preview,   ///< Nothing changed; this is how it would be.
     Step,      ///< The labels are now these; `before` takes them back.
+    Joined,    ///< As Step, with the labels of a file.
     Restored,  ///< The labels are again these; `before` as above.
     Surfaces   ///< Of what the outcome before this one changed.
   };
@@ -46,6 +47,7 @@ class LabelWorker {
     std::uint64_t voxelsBefore = 0, voxelsAfter = 0;  ///< Of the step's label; previews only.
     std::shared_ptr<const PackedState> before;
     std::vector<LabelSurface> surfaces;
+    std::vector<std::string> replaced, added, warnings;  ///< Of a file's labels.
   };
 
   LabelWorker();
@@ -65,6 +67,8 @@ class LabelWorker {
   /// Runs after the steps before it. What was just previewed is not computed again; a surface that
   /// is being made of the step before is made with this one's.
   void commit(const LabelStep& step);
+  /// Takes the labels of a file (imaging/exchange, joinLabels()), after the steps before it.
+  void join(const std::filesystem::path& file, const std::string& only);
   void restore(std::shared_ptr<const PackedState> state);
   /// The table alone: names, colours, materials. Not while steps run (busy()); drops the preview.
   /// The labels with that table.
@@ -87,11 +91,13 @@ class LabelWorker {
     Kind kind = Kind::Preview;
     LabelStep step;
     std::shared_ptr<const PackedState> state;
+    std::filesystem::path file;
+    std::string only;
   };
   void work(const std::stop_token& stop);
   void carryOut(const Request& request, std::uint64_t generation);
   [[nodiscard]] Result<SharedLabels> labelsAfter(const Request& request, const Volume& volume,
-                                                 const CountedLabels& before);
+                                                 const CountedLabels& before, Outcome& outcome);
   void makeSurfaces(const Request& request, const Volume& volume, const SharedLabels& before,
                     const SharedLabels& after, std::uint64_t generation);
   void deliver(Outcome outcome, std::uint64_t generation);

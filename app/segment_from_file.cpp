@@ -20,29 +20,22 @@ Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
   const Result<CaseInfo> info = readCaseInfo(request.caseFolder);
   if (!info) return fail(info.error());
   if (auto writable = checkWritable(request.caseFolder); !writable) return fail(writable.error());
-  LabelGrid labels{info->geometry, {}};
-  LabelTable table;
+  LabelState before;
   if (caseHasLabels(request.caseFolder)) {
     Result<LabelState> there = readCaseLabelState(request.caseFolder);
     if (!there) return fail(there.error());
-    labels = std::move(there->labels);
-    table = std::move(there->table);
-  } else {
-    labels.labels.assign(info->geometry.voxelCount(), 0);
+    before = std::move(*there);
   }
-  Result<FoundLabels> found =
-      importLabels(request.file, info->geometry, request.label, context.progress);
-  if (!found) return fail(found.error());
   LabelTable usual;
   if (const auto datasets = datasetsFolder()) {
     if (const auto anatomies = readAnatomies(*datasets / "labels.toml")) {
-      for (const Anatomy& a : *anatomies) usual.push_back({a.name, 0, a.colour, a.material});
+      usual = rowsOfAnatomies(*anatomies);
     }
   }
-  if (auto merged = mergeLabels(*found, labels, table, found->warnings, usual); !merged) {
-    return fail(merged.error());
-  }
-  if (context.progress.cancelled()) return fail(cancelled());
+  Result<JoinedLabels> joined = joinLabels(request.file, info->geometry, request.label,
+                                           std::move(before), usual, context.progress);
+  if (!joined) return fail(joined.error());
+  const auto& [labels, table] = joined->state;
   if (auto written = writeCaseLabels(request.caseFolder, labels, table); !written) {
     return fail(written.error());
   }
@@ -53,7 +46,7 @@ Result<CommandOutput> segmentFromFile(const SegmentFromFile& request,
     return fail(written.error());
   }
   context.progress(1.0, "Labels taken over");
-  return labelReport(labels, table, std::move(found->warnings));
+  return labelReport(labels, table, std::move(joined->warnings));
 }
 
 }  // namespace palpate

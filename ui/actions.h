@@ -72,6 +72,22 @@ struct EditLabel {
   std::array<std::uint8_t, 3> colour;
   std::string material;
 };
+/// Labels to a file of another program. A file that is there is kept and asked about, unless the
+/// wish says otherwise.
+struct ExportLabels {
+  ExportWish wish;
+};
+/// The file that is there stays (ExchangeModel::asks).
+struct KeepFile {};
+/// The labels of a file into the case; `only`: the new name of its one label, or which of several.
+struct JoinLabels {
+  std::filesystem::path file;
+  std::string only;
+};
+/// Lists a folder for the two above; empty: where the last file was.
+struct BrowseLabels {
+  std::filesystem::path folder;
+};
 struct ShowLabel {
   std::uint8_t value;
   bool visible;
@@ -145,9 +161,10 @@ using Action =
                  act::Import, act::ImportSeries, act::CloseSeriesList, act::KeepNames,
                  act::ImportRepaired, act::MeasureTrade, act::ChooseTrade, act::CancelJob, act::DismissMessage,
                  act::PreviewStep, act::DropPreview, act::ApplyStep, act::EditLabel, act::ShowLabel,
-                 act::Undo, act::Redo, act::TouchIt, act::ChooseInstrument, act::ChooseDevice,
-                 act::ChooseHand, act::Latch, act::StartStop, act::Record, act::ResetTool,
-                 act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand, act::TurnHand,
+                 act::ExportLabels, act::KeepFile, act::JoinLabels, act::BrowseLabels, act::Undo,
+                 act::Redo, act::TouchIt, act::ChooseInstrument, act::ChooseDevice, act::ChooseHand,
+                 act::Latch, act::StartStop, act::Record, act::ResetTool, act::ForceOff,
+                 act::ClearFault, act::Arm, act::Grab, act::MoveHand, act::TurnHand,
                  act::SolverIterations, act::Coupling, act::ConfirmCalibration, act::Reconnect,
                  act::RefreshSessions, act::ChooseSession, act::Replay, act::PlayPause, act::Scrub,
                  act::SwitchTheme, act::CloseAnyway, act::StayOpen>;

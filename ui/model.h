@@ -49,6 +49,8 @@ struct CaseModel {
   /// Whose presets are offered: the modality, or, where the file does not say, what the values look
   /// like (nothing but CT reaches far below zero).
   std::string presetModality;
+  /// What files made of the case are called unless the user says otherwise: never the patient.
+  std::string fileName;
 };
 
 struct RecentCase {
@@ -111,6 +113,20 @@ struct AnatomyRow {
   std::string material;
 };
 
+/// A file that labels are to be written to.
+struct ExportWish {
+  std::filesystem::path file;
+  std::vector<std::string> labels;  ///< Names; empty: all.
+  bool overwrite = false;
+};
+
+/// Labels to and from files of other programs.
+struct ExchangeModel {
+  std::filesystem::path folder;  ///< Where the last file was, at first the home.
+  std::vector<DirectoryRow> entries;
+  std::optional<ExportWish> asks;  ///< A file of that name is there: replace it?
+};
+
 struct SegmentModel {
   std::vector<LabelRow> labels;
   std::vector<MaterialRow> materials;
@@ -120,6 +136,7 @@ struct SegmentModel {
   bool previewShown = false;  ///< The views show how it would be.
   std::string previewText;    ///< "bone: 432,952 voxels (-1,203)", or why there is none.
   bool previewRefused = false;
+  ExchangeModel exchange;
 };
 
 struct InstrumentRow {

@@ -28,7 +28,8 @@ void drawRow(const Painter& paint, const LabelRow& label, SegmentPanelState& sta
   const float buttons = paint.px(60.0F);
   if (ImGui::InvisibleButton("row", {width - buttons, paint.px(kRow)})) state.label = label.name;
   paint.note("Label " + label.name);
-  if (chosen || ImGui::IsItemHovered()) {
+  const bool hot = ImGui::IsItemHovered();
+  if (chosen || hot) {
     list->AddRectFilled(a, {a.x + width, a.y + paint.px(kRow)},
                         chosen ? packed(paint.theme.raised) : packed(paint.theme.hover, 0.5F),
                         paint.px(6.0F));
@@ -50,9 +51,10 @@ void drawRow(const Painter& paint, const LabelRow& label, SegmentPanelState& sta
   const float right = a.x + width - buttons - paint.px(6.0F);
   list->AddText(small, small->FontSize, {right - wide, a.y + paint.px(10.0F)},
                 packed(paint.theme.secondary), volume.c_str());
-  list->AddText(
-      {left, a.y + paint.px(8.0F)}, packed(paint.theme.text),
-      shortened(label.name, paint.fonts.body, right - wide - left - paint.px(8.0F)).c_str());
+  const std::string name =
+      shortened(label.name, paint.fonts.body, right - wide - left - paint.px(8.0F));
+  list->AddText({left, a.y + paint.px(8.0F)}, packed(paint.theme.text), name.c_str());
+  if (hot && name != label.name) ImGui::SetTooltip("%s", label.name.c_str());
   ImGui::SetCursorScreenPos({a.x + width - paint.px(60.0F), a.y + paint.px(3.0F)});
   if (iconButton(paint, label.visible ? icon::kEye : icon::kEyeOff,
                  label.visible ? "Hide " + label.name : "Show " + label.name, label.visible)) {
@@ -133,7 +135,7 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
                 SegmentPanelState& state) {
   act::EditLabel edit{label.value, label.name, label.colour, label.material};
   bool changed = false;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(40.0F));
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - paint.px(76.0F));
   ImGui::InputTextWithHint("##labelname", "Name", &state.editName);
   paint.note("Name of " + label.name);
   const bool typed = ImGui::IsItemDeactivatedAfterEdit();
@@ -143,6 +145,8 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
     edit = {label.value, anatomy->name, anatomy->colour, anatomy->material};
     changed = true;
   }
+  ImGui::SameLine();
+  const bool remove = iconButton(paint, icon::kTrash, "Remove " + label.name);
   if (typed && !state.editName.empty() && state.editName != label.name) {
     edit.name = state.editName;
     changed = true;
@@ -151,10 +155,57 @@ void drawEditor(const Painter& paint, const SegmentModel& segment, const LabelRo
   changed = chooseColour(paint, edit.colour) || changed;
   chooseMaterial(paint, segment, edit, changed);
   if (changed) paint.actions.push_back(edit);
-  if (button(paint, icon::kTrash, "Remove " + label.name, Emphasis::Quiet)) {
+  if (remove) {
     paint.actions.push_back(act::ApplyStep{{label.name, tool::Remove{}, {}, {}}});
     state.editing = 0;
   }
+}
+
+/// Words that can be clicked, at the right of a section's title; gives where they begin.
+bool link(const Painter& paint, const char* words, const char* tooltip, float right, float& left) {
+  ImFont* small = paint.fonts.secondary;
+  const ImVec2 size = small->CalcTextSizeA(small->FontSize, 1e6F, 0.0F, words);
+  const float in = paint.px(6.0F);
+  left = right - size.x - 2.0F * in;
+  const float y = ImGui::GetItemRectMin().y;
+  const float height = ImGui::GetItemRectSize().y;
+  ImGui::SetCursorScreenPos({left, y - in});
+  const bool pressed = ImGui::InvisibleButton(words, {size.x + 2.0F * in, height + 2.0F * in});
+  paint.note(words);
+  const bool hot = ImGui::IsItemHovered();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  if (hot) {
+    list->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(),
+                        packed(paint.theme.raised), paint.px(Measures::kCorner));
+    ImGui::SetTooltip("%s", tooltip);
+  }
+  list->AddText(small, small->FontSize, {left + in, y}, packed(paint.theme.accent), words);
+  return pressed;
+}
+
+/// Out to other programs and in from them, on the line of the section's title.
+void drawExchangeLinks(const Painter& paint, bool labelled, ExchangePanelState& exchange) {
+  using Dialog = ExchangePanelState::Dialog;
+  const ImVec2 below = ImGui::GetCursorScreenPos();
+  float right = below.x + ImGui::GetContentRegionAvail().x + paint.px(6.0F);
+  const ImVec2 line = ImGui::GetItemRectMin();
+  const float height = ImGui::GetItemRectSize().y;
+  const auto sameLine = [&] {  // of the title, whatever was drawn since
+    ImGui::SetCursorScreenPos(line);
+    ImGui::Dummy({1.0F, height});
+  };
+  if (labelled) {
+    sameLine();
+    if (link(paint, "Export\xe2\x80\xa6", "Labels to a file for another program", right, right)) {
+      exchange.wanted = Dialog::Export;
+    }
+  }
+  sameLine();
+  if (link(paint, "From file\xe2\x80\xa6", "Labels of another program into this case", right,
+           right)) {
+    exchange.wanted = Dialog::Join;
+  }
+  ImGui::SetCursorScreenPos(below);
 }
 
 }  // namespace
@@ -174,8 +225,10 @@ const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segmen
   return chosen;
 }
 
-void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
+void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state,
+                    ExchangePanelState& exchange) {
   section(paint, "LABELS");
+  drawExchangeLinks(paint, !segment.labels.empty(), exchange);
   if (segment.labels.empty()) {
     sentence(paint, "Nothing is labelled yet. Choose a tissue below and press Segment tissue.");
     state.label.clear();

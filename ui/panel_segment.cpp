@@ -71,38 +71,40 @@ void requestPreview(const Painter& paint, const Model& model, SegmentPanelState&
   state.sentKey = key;
 }
 
+/// Of tools that draw, the step is made when the button is let go: there is nothing to apply.
+bool applies(ToolKind kind) {
+  return kind != ToolKind::Brush && kind != ToolKind::Eraser && kind != ToolKind::Scissors;
+}
+
+/// Whether there is a preview, and what it says: one line, so that nothing below it moves.
+void drawPreview(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {
+  const bool refused = segment.previewRefused && !segment.previewing;
+  if (refused && !segment.previewText.empty()) {
+    notice(paint, MessageModel::Kind::Warning, segment.previewText);
+  }
+  const std::string said = segment.previewing ? "Making the preview\xe2\x80\xa6"
+                           : refused          ? std::string()
+                                              : segment.previewText;
+  toggle(paint, "Preview", state.preview, true, state.preview ? said : std::string());
+}
+
 void drawApply(const Painter& paint, const Model& model, SegmentPanelState& state) {
+  drawPreview(paint, model.segment, state);
   const auto step = stepOf(state);
-  const bool draws = state.kind == ToolKind::Brush || state.kind == ToolKind::Eraser ||
-                     state.kind == ToolKind::Scissors;
-  if (!draws) {
-    toggle(paint, "Preview", state.preview);
-    const std::string word = state.kind == ToolKind::Threshold
-                                 ? std::string("Segment tissue")
-                                 : std::string("Apply ") + toolWords(state.kind).title;
-    if (button(paint, icon::kCheck, word, Emphasis::Primary, -1.0F, step.has_value())) {
-      paint.actions.push_back(act::ApplyStep{*step});
-      state.applied = recipeText({*step});
-      if (state.kind == ToolKind::Threshold) state.label = state.name;
-    }
-    if (model.segment.previewing) {
-      sentence(paint, "Making the preview\xe2\x80\xa6");
-    } else if (!model.segment.previewText.empty()) {
-      if (model.segment.previewRefused) {
-        notice(paint, MessageModel::Kind::Warning, model.segment.previewText);
-      } else {
-        sentence(paint, model.segment.previewText);
-      }
-    }
+  const std::string word = state.kind == ToolKind::Threshold
+                               ? std::string("Segment tissue")
+                               : std::string("Apply ") + toolWords(state.kind).title;
+  if (button(paint, icon::kCheck, word, Emphasis::Primary, -1.0F, step.has_value())) {
+    paint.actions.push_back(act::ApplyStep{*step});
+    state.applied = recipeText({*step});
+    if (state.kind == ToolKind::Threshold) state.label = state.name;
   }
 }
 
-/// Always in reach, however long the settings are.
-void drawFooter(const Painter& paint, const SegmentModel& segment) {
+void drawHistory(const Painter& paint, const SegmentModel& segment) {
   const auto words = [](const char* what, const std::string& step, const char* key) {
     return step.empty() ? std::string(what) : what + (": " + step) + key;
   };
-  ImGui::Dummy({1.0F, paint.px(2.0F)});
   const float side = paint.px(44.0F);
   const std::string undo = words("Undo", segment.undo, " (Ctrl Z)");
   const std::string redo = words("Redo", segment.redo, " (Ctrl Y)");
@@ -127,7 +129,7 @@ void drawFooter(const Painter& paint, const SegmentModel& segment) {
 }  // namespace
 
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
-                      ViewState& views, double now) {
+                      ExchangePanelState& exchange, ViewState& views, double now) {
   heading(paint, "Segment");
   views.preview.reset();
   if (!model.openCase.open) {
@@ -136,15 +138,26 @@ void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelStat
   }
   const bool labelled = !model.segment.labels.empty();
   if (!labelled) state.kind = ToolKind::Threshold;
-  const float footer = paint.px(Measures::kControl + 4.0F) + 2.0F * ImGui::GetStyle().ItemSpacing.y;
-  ImGui::BeginChild("tools", {0.0F, -footer}, false, ImGuiWindowFlags_NoBackground);
-  drawLabelTable(paint, model.segment, state);
+  // What applies and takes back is always in reach: only what lies above it scrolls.
+  const float spacing = ImGui::GetStyle().ItemSpacing.y;
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - paint.px(12.0F));  // a section brings its own
+  ImGui::BeginChild("tools", {0.0F, -(state.footer + spacing)}, false,
+                    ImGuiWindowFlags_NoBackground);
+  drawLabelTable(paint, model.segment, state, exchange);
   drawTools(paint, state, labelled);
   section(paint, toolWords(state.kind).title);
   drawToolSettings(paint, model, state);
-  drawApply(paint, model, state);
+  const bool scrolls = ImGui::GetScrollMaxY() > 0.0F;
   ImGui::EndChild();
-  drawFooter(paint, model.segment);
+  if (scrolls) {
+    const ImVec2 at = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+    ImGui::GetWindowDrawList()->AddLine({at.x, to.y}, to, packed(paint.theme.line),
+                                        paint.px(Measures::kHairline));
+  }
+  const float top = ImGui::GetCursorPosY();
+  if (applies(state.kind)) drawApply(paint, model, state);
+  drawHistory(paint, model.segment);
+  state.footer = ImGui::GetCursorPosY() - spacing - top;  // of the next frame: notices wrap
   requestPreview(paint, model, state, now);
   // While it is dragged, and until the true preview is there, the range shows on the slices.
   const bool ranged = state.kind == ToolKind::Threshold || state.kind == ToolKind::Grow;

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "imaging/exchange/exchange_format.h"
 #include "ui/gl_objects.h"
 #include "ui/model.h"
 #include "ui/segment_state.h"
@@ -25,13 +26,30 @@ struct LibraryPanelState {
 void drawLibraryPanel(const Painter& paint, const Model& model, LibraryPanelState& state);
 /// The part of the Library panel where a study has several series.
 void drawSeriesList(const Painter& paint, const LibraryModel& library, Thumbnails& thumbnails);
+/// The dialogs of labels to and from files.
+struct ExchangePanelState {
+  enum class Dialog : std::uint8_t { None, Export, Join } wanted = Dialog::None;  ///< Opens next.
+  ExchangeFormat format = ExchangeFormat::DicomSeg;
+  std::string label;   ///< To export; empty: all.
+  std::string path;    ///< To write.
+  bool named = false;  ///< The user chose the path: it follows the format by its ending alone.
+  std::string from;    ///< To read.
+  std::string only;    ///< Name in the file.
+  bool browsing = false, asked = false;
+  std::filesystem::path shownFolder;
+};
+/// `chosen`: the label that the tools work on.
+void drawExchange(const Painter& paint, const Rect& window, const Model& model,
+                  ExchangePanelState& state, const std::string& chosen);
+
 /// Labels, tools, the chosen tool's settings. `now`: seconds, monotonic.
 void drawSegmentPanel(const Painter& paint, const Model& model, SegmentPanelState& state,
-                      ViewState& views, double now);
+                      ExchangePanelState& exchange, ViewState& views, double now);
 /// An arrow beside a name field that offers the usual anatomy; the one chosen, or null.
 const AnatomyRow* chooseAnatomy(const Painter& paint, const SegmentModel& segment);
 /// The part of the Segment panel that lists and edits the labels.
-void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state);
+void drawLabelTable(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state,
+                    ExchangePanelState& exchange);
 /// The part of the Segment panel with the chosen tool's settings.
 void drawToolSettings(const Painter& paint, const Model& model, SegmentPanelState& state);
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds);

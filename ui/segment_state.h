@@ -37,7 +37,8 @@ struct SegmentPanelState {
   std::uint8_t value = 0;     ///< Its value: the label stays chosen when its name changes.
   std::string name = "bone";  ///< Of the label that a threshold makes.
   std::size_t preset = 0;
-  float low = 226, high = 3071;  ///< Threshold, region growing, and "only these values".
+  float low = 226, high = 3071;        ///< Threshold, region growing, and "only these values".
+  std::optional<std::size_t> dragged;  ///< End of the range that the mouse has: 0 low, 1 high.
   bool largest = false;
   float minMm3 = 0;
 
@@ -61,6 +62,8 @@ struct SegmentPanelState {
   bool byEdges = false;
   std::vector<std::string> parts;  ///< Labels of a split; the first is the label itself.
   std::size_t part = 0;            ///< That a click puts a seed of.
+  /// Of the parts, as the split will draw them; packed as Dear ImGui does.
+  std::vector<std::uint32_t> partColours;
 
   std::uint8_t editing = 0;  ///< Label whose name, colour and material are shown; 0: none.
   std::string editName;
@@ -73,8 +76,13 @@ struct SegmentPanelState {
     std::size_t part = 0;
   };
   std::vector<Pick> picks;
-  bool missed = false;                                   ///< The last click was beside the label.
-  std::optional<std::array<Eigen::Vector3d, 2>> box_mm;  ///< Corners, not sorted.
+  bool missed = false;  ///< The last click was beside the label.
+  using Corners = std::array<Eigen::Vector3d, 2>;
+  std::optional<Corners> box_mm;     ///< Not sorted.
+  std::optional<Corners> boxBefore;  ///< The drag that goes on: a mere click changes nothing.
+  /// What the drag moves along each axis of P: a corner's side, both (a new box), or nothing.
+  enum class BoxGrip : std::uint8_t { First, Second, Both, None };
+  std::array<BoxGrip, 3> boxGrip{BoxGrip::Both, BoxGrip::Both, BoxGrip::Both};
 
   /// A stroke or an outline being drawn, until the button is let go.
   std::optional<View> drawingIn;
@@ -82,6 +90,7 @@ struct SegmentPanelState {
   std::vector<Eigen::Vector2d> outline;  ///< Screen, framebuffer pixels.
   bool abandoned = false;  ///< Escape, until the button is let go: it draws nothing more.
 
+  float footer = 0.0F;  ///< Height of what stays in reach below the settings, as last drawn.
   std::filesystem::path initialisedFor;
   std::string sentKey;     ///< Of the step whose preview was asked for last.
   std::string wantedKey;   ///< Of the step as it is set now.

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <imgui.h>
+
+#include <imgui_internal.h>  // after imgui.h: items that lie over others
+
 #include "core/geometry/units.h"
 #include "ui/slice_overlay.h"
 
@@ -81,8 +85,12 @@ bool SliceView::interact(const Rect& area, const VolumeTextures& textures, ViewS
   if (ImGui::IsItemHovered()) {
     if (!taken && ImGui::IsMouseDoubleClicked(0)) return true;
     if (io.MouseWheel != 0.0F && io.KeyCtrl) {
+      // What is under the mouse stays there; the whole slice lies in the middle again.
+      const double before = own.zoom;
       own.zoom =
           std::clamp(own.zoom * std::pow(1.15, static_cast<double>(io.MouseWheel)), 0.5, 20.0);
+      own.pan += (mouse - fit.centre) * (1.0 - own.zoom / before);
+      if (own.zoom <= 1.0) own.pan.setZero();
     } else if (io.MouseWheel != 0.0F) {
       const double last = grid.dims[static_cast<std::size_t>(plane.through)] - 1;
       Eigen::Vector3d v = voxelOf(grid, state.crosshair_P);
@@ -124,9 +132,12 @@ bool SliceView::draw(const Rect& area, const VolumeTextures& textures, const GlP
 
   ImGui::SetCursorScreenPos(low);
   ImGui::PushID(static_cast<int>(view_));
+  // Under the button that enlarges it: what is pressed there does not reach the tools.
   ImGui::InvisibleButton("slice", {area.w, area.h},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
-                             ImGuiButtonFlags_MouseButtonMiddle);
+                             ImGuiButtonFlags_MouseButtonMiddle |
+                             static_cast<int>(ImGuiButtonFlags_AllowItemOverlap));
+  ImGui::SetItemAllowOverlap();
   ImGui::PopID();
   const GridGeometry& grid = textures.grid();
   const SlicePlane plane = slicePlane(grid, view_);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/base/counted.h"
+#include "imaging/segment/apply.h"
 #include "imaging/segment/recipe.h"
 #include "ui/colours.h"
 #include "ui/format.h"
@@ -30,7 +31,12 @@ bool drag(const Painter& paint, const char* label, float& value, float speed, fl
   return changed;
 }
 
-/// The histogram with the chosen range lit; a drag moves the nearer end.
+/// As fine as the scan's values: whole numbers, unless all of them lie close together.
+float rounded(float value, float span) {
+  return span >= 100.0F ? std::round(value) : value;
+}
+
+/// The histogram with the chosen range lit; a drag moves the end that was nearer when it began.
 void drawHistogram(const Painter& paint, const CaseModel& open, SegmentPanelState& state) {
   const float width = ImGui::GetContentRegionAvail().x;
   const float height = paint.px(40.0F);
@@ -39,13 +45,20 @@ void drawHistogram(const Painter& paint, const CaseModel& open, SegmentPanelStat
   const ImVec2 a = ImGui::GetItemRectMin();
   const auto low = static_cast<float>(open.valueRange[0]);
   const float span = std::max(1e-6F, static_cast<float>(open.valueRange[1]) - low);
-  if (ImGui::IsItemActive()) {
-    const float value =
-        low + span * std::clamp((ImGui::GetIO().MousePos.x - a.x) / width, 0.0F, 1.0F);
-    float& nearer =
-        std::abs(value - state.low) < std::abs(value - state.high) ? state.low : state.high;
-    nearer = std::round(value);
-  }
+  const bool held = ImGui::IsItemActive();
+  const bool hot = held || ImGui::IsItemHovered();
+  const float under =
+      low + span * std::clamp((ImGui::GetIO().MousePos.x - a.x) / width, 0.0F, 1.0F);
+  const std::size_t nearer = std::abs(under - state.low) < std::abs(under - state.high) ||
+                                     (state.low == state.high && under < state.low)
+                                 ? 0
+                                 : 1;
+  if (hot) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  if (!held) state.dragged.reset();
+  if (held && !state.dragged) state.dragged = nearer;
+  if (held && *state.dragged == 0) state.low = std::min(rounded(under, span), state.high);
+  if (held && *state.dragged == 1) state.high = std::max(rounded(under, span), state.low);
+  const std::size_t lit = state.dragged.value_or(nearer);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const std::size_t bins = open.histogram.size();
   for (std::size_t i = 0; i < bins; ++i) {
@@ -58,9 +71,16 @@ void drawHistogram(const Painter& paint, const CaseModel& open, SegmentPanelStat
     list->AddRectFilled({x0, a.y + height - h}, {std::max(x0 + 1.0F, x1 - 0.5F), a.y + height},
                         packed(in ? paint.theme.accent : paint.theme.hover));
   }
-  for (const float edge : {state.low, state.high}) {
-    const float x = std::round(a.x + width * std::clamp((edge - low) / span, 0.0F, 1.0F));
-    list->AddLine({x, a.y}, {x, a.y + height}, packed(paint.theme.text, 0.7F), paint.px(1.0F));
+  for (std::size_t end = 0; end < 2; ++end) {
+    const float edge = end == 0 ? state.low : state.high;
+    const float half = paint.px(3.0F);
+    const float x =
+        std::round(std::clamp(a.x + width * (edge - low) / span, a.x + half, a.x + width - half));
+    const ImU32 colour =
+        hot && lit == end ? packed(paint.theme.text) : packed(paint.theme.text, 0.7F);
+    list->AddLine({x, a.y}, {x, a.y + height}, colour, paint.px(1.0F));
+    list->AddRectFilled({x - half, a.y + 0.5F * height - paint.px(8.0F)},
+                        {x + half, a.y + 0.5F * height + paint.px(8.0F)}, colour, half);
   }
 }
 
@@ -72,13 +92,17 @@ void drawRange(const Painter& paint, const CaseModel& open, SegmentPanelState& s
   const auto least = static_cast<float>(open.valueRange[0]);
   const auto most = static_cast<float>(open.valueRange[1]);
   ImGui::SetNextItemWidth(half);
-  ImGui::DragFloat("##low", &state.low, speed, least, most, format);
+  // An end that passes the other takes it along.
+  if (ImGui::DragFloat("##low", &state.low, speed, least, most, format)) {
+    state.high = std::max(state.high, state.low);
+  }
   paint.note("Lower limit");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(half);
-  ImGui::DragFloat("##high", &state.high, speed, least, most, format);
+  if (ImGui::DragFloat("##high", &state.high, speed, least, most, format)) {
+    state.low = std::min(state.low, state.high);
+  }
   paint.note("Upper limit");
-  if (state.low > state.high) std::swap(state.low, state.high);
 }
 
 /// Only what fits the scan: a CT's numbers mean nothing in an MR.
@@ -90,17 +114,28 @@ std::vector<const Preset*> presetsFor(const CaseModel& open) {
   return presets;
 }
 
+std::optional<ThresholdRange> rangeOf(const Model& model, const Preset& preset, std::size_t i) {
+  if (preset.range) return preset.range;
+  if (i < model.presetRanges.size()) return model.presetRanges[i];
+  return {};
+}
+
 void choosePreset(const Model& model, const Preset& preset, std::size_t i,
                   SegmentPanelState& state) {
   state.preset = i;
   state.name = preset.label;
-  if (preset.range) {
-    state.low = static_cast<float>(preset.range->low);
-    state.high = static_cast<float>(preset.range->high);
-  } else if (i < model.presetRanges.size()) {
-    state.low = static_cast<float>(model.presetRanges[i].low);
-    state.high = static_cast<float>(model.presetRanges[i].high);
+  if (const auto range = rangeOf(model, preset, i)) {
+    state.low = static_cast<float>(range->low);
+    state.high = static_cast<float>(range->high);
   }
+}
+
+/// Until the range is another.
+bool isPreset(const Model& model, const Preset& preset, std::size_t i,
+              const SegmentPanelState& state) {
+  const auto range = rangeOf(model, preset, i);
+  return i == state.preset && range && static_cast<float>(range->low) == state.low &&
+         static_cast<float>(range->high) == state.high;
 }
 
 void drawThreshold(const Painter& paint, const Model& model, SegmentPanelState& state) {
@@ -116,7 +151,8 @@ void drawThreshold(const Painter& paint, const Model& model, SegmentPanelState& 
     // "Bone (CT)" and "Skin and all within": the first words are enough on a button.
     std::string title = presets[i]->title.substr(0, presets[i]->title.find(" ("));
     title = title.substr(0, title.find(" and "));
-    if (button(paint, i == state.preset ? icon::kCheck : nullptr, title, Emphasis::Normal, half)) {
+    const bool on = isPreset(model, *presets[i], i, state);
+    if (button(paint, on ? icon::kCheck : nullptr, title, Emphasis::Normal, half)) {
       choosePreset(model, *presets[i], i, state);
       state.applied.clear();
     }
@@ -193,9 +229,30 @@ void drawBoxSettings(const Painter& paint, SegmentPanelState& state) {
       segmented(paint, "box", {"Cut inside", "Keep inside"}, state.keepInside ? 1 : 0) == 1;
   toggle(paint, "All labels", state.allLabels);
   if (!state.box_mm) {
-    sentence(paint, "Drag a rectangle in a slice; another slice sets the third side.");
+    sentence(paint, "Drag a rectangle in a slice. Its sides can be dragged, in all slices.");
   } else if (button(paint, icon::kClose, "Clear the box")) {
     state.box_mm.reset();
+  }
+}
+
+/// Each part in the colour of its label, or in that which a new label of the name gets.
+void colourParts(const SegmentModel& segment, SegmentPanelState& state) {
+  LabelTable before;
+  for (const LabelRow& row : segment.labels) {
+    before.push_back({row.name, row.value, row.colour, row.material});
+  }
+  LabelTable table = before;
+  state.partColours.clear();
+  for (std::size_t p = 0; p < state.parts.size(); ++p) {
+    const std::string& name = state.parts[p];
+    const auto row = rowFor(name.empty() ? "part " + std::to_string(p) : name, table);
+    auto colour = row ? row->colour : labelColour(p);
+    const bool old = std::any_of(before.begin(), before.end(),
+                                 [&name](const LabelInfo& l) { return l.name == name; });
+    for (const AnatomyRow& anatomy : segment.anatomies) {
+      if (!old && anatomy.name == name) colour = anatomy.colour;
+    }
+    state.partColours.push_back(IM_COL32(colour[0], colour[1], colour[2], 255));
   }
 }
 
@@ -205,6 +262,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
     state.part = 0;
     state.picks.clear();
   }
+  colourParts(segment, state);
   for (std::size_t p = 0; p < state.parts.size(); ++p) {
     ImGui::PushID(static_cast<int>(p));
     const float side = paint.px(32.0F);
@@ -217,7 +275,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
       list->AddRectFilled(a, {a.x + side, a.y + side}, packed(paint.theme.raised), paint.px(6.0F));
       list->AddCircle(middle, paint.px(10.0F), packed(paint.theme.text), 24, paint.px(1.5F));
     }
-    list->AddCircleFilled(middle, paint.px(6.0F), partColour(p), 20);
+    list->AddCircleFilled(middle, paint.px(6.0F), pickColour(state, p), 20);
     ImGui::SameLine();
     const auto clicks = std::count_if(state.picks.begin(), state.picks.end(),
                                       [p](const auto& pick) { return pick.part == p; });
@@ -227,7 +285,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(shortened(state.label, paint.fonts.body, paint.px(150.0F)).c_str());
     } else {
-      ImGui::InputTextWithHint("##part", "Name of this part", &state.parts[p]);
+      ImGui::InputTextWithHint("##part", "Name", &state.parts[p]);
       if (ImGui::IsItemActivated()) state.part = p;
       paint.note("Name of part " + std::to_string(p + 1));
       ImGui::SameLine();
@@ -248,7 +306,7 @@ void drawSplit(const Painter& paint, const SegmentModel& segment, SegmentPanelSt
     state.part = state.parts.size() - 1;
   }
   state.byEdges = segmented(paint, "by", {"Dark joint", "Edge"}, state.byEdges ? 1 : 0) == 1;
-  drawPicks(paint, state, "Choose a part, then click on it, in a slice or in 3D.");
+  drawPicks(paint, state, "Choose a part, then click on it.");
 }
 
 void drawCombine(const Painter& paint, const SegmentModel& segment, SegmentPanelState& state) {

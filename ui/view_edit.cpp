@@ -77,15 +77,14 @@ tool::Scissors scissorsInSlice(const SegmentPanelState& state, const SliceMouse&
 }
 
 /// Grow takes any voxel; the others mean a part of the label, which a hand may miss by a little.
-void pickInSlice(SegmentPanelState& state, const SliceMouse& at) {
+void pick(SegmentPanelState& state, const Eigen::Vector3d& under, const LabelGrid* labels,
+          std::uint8_t label) {
   constexpr double kMissed_mm = 4.0;
-  const Eigen::Vector3d under = pointUnder(at, true);
   if (state.kind == ToolKind::Grow) {
     state.picks.push_back({under, state.part});
     return;
   }
-  const auto on =
-      at.labels != nullptr ? nearestOf(*at.labels, at.label, under, kMissed_mm) : std::nullopt;
+  const auto on = labels != nullptr ? nearestOf(*labels, label, under, kMissed_mm) : std::nullopt;
   state.missed = !on.has_value();
   if (on) state.picks.push_back({*on, state.part});
 }
@@ -110,27 +109,66 @@ void finish(SegmentPanelState& state, const SliceMouse& at, Gesture gesture, Act
   if (gesture == Gesture::Outline && state.outline.size() >= 3) {
     apply(state, scissorsInSlice(state, at), actions);
   }
+  const bool clicked = ImGui::GetIO().MouseDragMaxDistanceSqr[0] < kClickPixels * kClickPixels;
+  if (gesture == Gesture::Rectangle && clicked) state.box_mm = state.boxBefore;
   state.stroke_mm.clear();
   state.outline.clear();
   state.drawingIn.reset();
 }
 
-/// The box's two corners along the slice's axes; along the third it keeps, or spans the scan.
+/// The patient's axis that a slice cuts: the box lies along these.
+int throughAxis(const SliceMouse& at) {
+  int through = 0;
+  at.grid.X_PV.linear().col(at.plane.through).cwiseAbs().maxCoeff(&through);
+  return through;
+}
+
+using BoxGrip = SegmentPanelState::BoxGrip;
+
+/// The sides under the mouse; nothing where a new box would begin.
+std::optional<std::array<BoxGrip, 3>> gripUnder(const SegmentPanelState& state,
+                                                const SliceMouse& at) {
+  constexpr double kReach = 6.0;  // pixels
+  if (!state.box_mm) return {};
+  const Eigen::Vector3d p = pointUnder(at, false);
+  const double reach_mm = kReach / at.fit.pixelsPerMm;
+  const auto& [first, second] = *state.box_mm;
+  const int through = throughAxis(at);
+  std::array<BoxGrip, 3> grip{BoxGrip::None, BoxGrip::None, BoxGrip::None};
+  bool any = false;
+  for (int a = 0; a < 3; ++a) {
+    if (a == through) continue;
+    if (p[a] < std::min(first[a], second[a]) - reach_mm) return {};
+    if (p[a] > std::max(first[a], second[a]) + reach_mm) return {};
+    const double toFirst = std::abs(p[a] - first[a]), toSecond = std::abs(p[a] - second[a]);
+    if (std::min(toFirst, toSecond) > reach_mm) continue;
+    grip[static_cast<std::size_t>(a)] = toFirst < toSecond ? BoxGrip::First : BoxGrip::Second;
+    any = true;
+  }
+  if (!any) return {};
+  return grip;
+}
+
+/// The sides that are held; or a new box's two corners along the slice's axes: along the third it
+/// keeps, or spans the scan.
 void dragBox(SegmentPanelState& state, const SliceMouse& at, bool begins) {
   const Eigen::Vector3d p = pointUnder(at, false);
+  if (begins) {
+    constexpr std::array<BoxGrip, 3> kNew{BoxGrip::Both, BoxGrip::Both, BoxGrip::Both};
+    state.boxGrip = gripUnder(state, at).value_or(kNew);
+  }
   if (!state.box_mm) {
     Eigen::Vector3d last;
     for (int a = 0; a < 3; ++a) last[a] = at.grid.dims[static_cast<std::size_t>(a)] - 1;
     state.box_mm = {pointOf(at.grid, Eigen::Vector3d::Constant(-0.5)) * 1e3,
                     pointOf(at.grid, last + Eigen::Vector3d::Constant(0.5)) * 1e3};
   }
-  // The box lies along the patient's axes: those two that the slice shows.
-  int through = 0;
-  at.grid.X_PV.linear().col(at.plane.through).cwiseAbs().maxCoeff(&through);
+  const int through = throughAxis(at);
   for (int a = 0; a < 3; ++a) {
-    if (a == through) continue;
-    if (begins) (*state.box_mm)[0][a] = p[a];
-    (*state.box_mm)[1][a] = p[a];
+    const BoxGrip grip = state.boxGrip[static_cast<std::size_t>(a)];
+    if (a == through || grip == BoxGrip::None) continue;
+    if (grip == BoxGrip::First || (grip == BoxGrip::Both && begins)) (*state.box_mm)[0][a] = p[a];
+    if (grip != BoxGrip::First) (*state.box_mm)[1][a] = p[a];
   }
 }
 
@@ -145,12 +183,18 @@ bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& action
     finish(state, at, gesture, actions);
     return true;
   }
+  if (gesture == Gesture::Rectangle && ImGui::IsItemHovered() && gripUnder(state, at)) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeAll);
+  }
   const bool pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(0);
   if (pressed && gesture == Gesture::Pick) {
-    pickInSlice(state, at);
+    pick(state, pointUnder(at, true), at.labels, at.label);
     return true;
   }
-  if (pressed) state.drawingIn = at.view;
+  if (pressed) {
+    state.drawingIn = at.view;
+    state.boxBefore = state.box_mm;
+  }
   if (!pressed && !mine) return ImGui::IsItemActive() && ImGui::IsMouseDown(0);
   if (gesture == Gesture::Rectangle) {
     dragBox(state, at, pressed);
@@ -183,13 +227,14 @@ struct SlicePen {
   }
 };
 
-void drawPick(const SlicePen& pen, const SegmentPanelState::Pick& pick) {
+void drawPick(const SlicePen& pen, const SegmentPanelState& state,
+              const SegmentPanelState::Pick& pick) {
   const double off = std::abs(pen.off(pick.at_mm));
   if (off > 6.0) return;
   const float alpha = off < 0.6 ? 1.0F : 0.35F;
   const ImVec2 p = pen.at(pick.at_mm);
   const float r = 4.5F * pen.over.scale;
-  const ImU32 colour = partColour(pick.part);
+  const ImU32 colour = pickColour(state, pick.part);
   const ImU32 faded = (colour & 0x00ffffffU) | (static_cast<ImU32>(alpha * 255.0F) << 24U);
   pen.over.list->AddCircleFilled(p, r, faded, 20);
   pen.over.list->AddCircle(p, r + 1.0F, IM_COL32(0, 0, 0, static_cast<int>(200 * alpha)), 20,
@@ -242,7 +287,7 @@ void drawEditInSlice(const SegmentPanelState& state, const SliceOverlay& over, V
   const SlicePen pen{over};
   const Gesture gesture = gestureOf(state);
   if (gesture == Gesture::Pick) {
-    for (const auto& pick : state.picks) drawPick(pen, pick);
+    for (const auto& pick : state.picks) drawPick(pen, state, pick);
   }
   if (gesture == Gesture::Rectangle) drawBox(pen, state);
   if (gesture == Gesture::Stroke) drawBrush(pen, state, view);
@@ -301,19 +346,19 @@ std::optional<Eigen::Vector3d> firstLabelled(const LabelGrid& labels,
 }
 
 bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& area,
-                 const LabelGrid* labels, const std::vector<std::uint8_t>& hidden,
-                 Actions& actions) {
+                 const ScenePicks& picks, Actions& actions) {
   const Gesture gesture = gestureOf(state);
   const ImGuiIO& io = ImGui::GetIO();
   if (gesture != Gesture::None && stillAbandoned(state)) return true;
-  if (gesture == Gesture::Pick && labels != nullptr) {
+  if (gesture == Gesture::Pick && picks.seen != nullptr) {
     const bool click = ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(0) &&
                        io.MouseDragMaxDistanceSqr[0] < kClickPixels * kClickPixels;
     if (!click) return false;
     const Eigen::Vector2d uv = sceneAngles(camera, area, mousePixel());
     const Eigen::Vector3d ray = camera.q_PC * Eigen::Vector3d(uv.x(), uv.y(), -1.0);
-    const auto hit = firstLabelled(*labels, hidden, camera.eye_mm(), ray);
-    if (hit) state.picks.push_back({*hit, state.part});
+    const auto hit = firstLabelled(*picks.seen, picks.hidden, camera.eye_mm(), ray);
+    state.missed = !hit.has_value();
+    if (hit) pick(state, *hit, picks.labels, picks.label);
     return true;
   }
   if (gesture != Gesture::Outline) return false;
@@ -339,7 +384,7 @@ bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& are
 }
 
 void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const Rect& area,
-                     const Theme& theme, float scale) {
+                     const ScenePicks& picks, const Theme& theme, float scale) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect({area.x, area.y}, {area.right(), area.bottom()}, true);
   if (state.drawingIn == View::Scene) drawOutline(*list, state.outline, theme, scale);
@@ -351,14 +396,30 @@ void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const
       if (seen.z() <= 0.0) continue;
       const ImVec2 p(area.x + 0.5F * area.w + static_cast<float>(seen.x() / seen.z() * half),
                      area.y + 0.5F * area.h - static_cast<float>(seen.y() / seen.z() * half));
-      list->AddCircleFilled(p, 5.0F * scale, partColour(pick.part), 20);
+      // Behind the anatomy it is a ring: it does not lie on what hides it.
+      constexpr double kBehind_mm = 4.0;
+      const Eigen::Vector3d ray = pick.at_mm - camera.eye_mm();
+      const auto first = picks.seen != nullptr
+                             ? firstLabelled(*picks.seen, picks.hidden, camera.eye_mm(), ray)
+                             : std::nullopt;
+      const bool behind = first && (*first - camera.eye_mm()).norm() < ray.norm() - kBehind_mm;
+      const ImU32 colour = pickColour(state, pick.part);
+      if (behind) {
+        list->AddCircle(p, 4.5F * scale, IM_COL32(0, 0, 0, 140), 20, 3.0F * scale);
+        list->AddCircle(p, 4.5F * scale, colour, 20, 1.5F * scale);
+        continue;
+      }
+      list->AddCircleFilled(p, 5.0F * scale, colour, 20);
       list->AddCircle(p, 6.0F * scale, IM_COL32(0, 0, 0, 200), 20, 1.5F * scale);
     }
   }
   list->PopClipRect();
 }
 
-ImU32 partColour(std::size_t part) {
+ImU32 pickColour(const SegmentPanelState& state, std::size_t part) {
+  if (state.kind == ToolKind::Split && part < state.partColours.size()) {
+    return state.partColours[part];
+  }
   const auto c = labelColour(part);
   return IM_COL32(c[0], c[1], c[2], 255);
 }

@@ -16,7 +16,8 @@ namespace palpate::ui {
 
 /// A slice under the mouse.
 struct SliceMouse {
-  /// Null: nothing is labelled. `label`: the value that the tools work on, 0: none.
+  /// As they are, not as a preview shows them, for steps start from these. Null: nothing is
+  /// labelled. `label`: the value that the tools work on, 0: none.
   const LabelGrid* labels = nullptr;
   std::uint8_t label = 0;
   View view = View::Axial;
@@ -33,13 +34,18 @@ bool editInSlice(SegmentPanelState& state, const SliceMouse& at, Actions& action
 /// Picks, the box, the stroke or outline being drawn, and the brush under the mouse.
 void drawEditInSlice(const SegmentPanelState& state, const SliceOverlay& over, View view);
 
-/// As editInSlice(), for the 3D view. `labels` null: nothing to pick. `hidden`: labels that are not
-/// drawn and so cannot be picked.
+/// What can be picked in the 3D view.
+struct ScenePicks {
+  const LabelGrid* seen = nullptr;    ///< As drawn, a preview too; null: nothing.
+  const LabelGrid* labels = nullptr;  ///< As they are (SliceMouse::labels).
+  std::uint8_t label = 0;             ///< That the tools work on, 0: none.
+  std::vector<std::uint8_t> hidden;   ///< Labels that are not drawn.
+};
+/// As editInSlice(), for the 3D view.
 bool editInScene(SegmentPanelState& state, const Camera& camera, const Rect& area,
-                 const LabelGrid* labels, const std::vector<std::uint8_t>& hidden,
-                 Actions& actions);
+                 const ScenePicks& picks, Actions& actions);
 void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const Rect& area,
-                     const Theme& theme, float scale);
+                     const ScenePicks& picks, const Theme& theme, float scale);
 
 /// From P, mm, to (u w, v w, w) of the 3D view, where u and v are tangents of the angle to the
 /// right and upwards (tool::Scissors::view).
@@ -53,7 +59,7 @@ void drawEditInScene(const SegmentPanelState& state, const Camera& camera, const
                                                            const Eigen::Vector3d& eye_mm,
                                                            const Eigen::Vector3d& direction_P);
 
-/// Colours of a split's parts, in turn.
-[[nodiscard]] ImU32 partColour(std::size_t part);
+/// Of a pick: of the part it is a seed of, else the accent of picks.
+[[nodiscard]] ImU32 pickColour(const SegmentPanelState& state, std::size_t part);
 
 }  // namespace palpate::ui

@@ -134,7 +134,8 @@ std::size_t segmented(const Painter& paint, const char* id, const std::vector<st
   return result;
 }
 
-bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabled) {
+bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabled,
+            const std::string& instead) {
   const float width = ImGui::GetContentRegionAvail().x;
   const float height = paint.px(26.0F);
   ImGui::BeginDisabled(!enabled);
@@ -144,11 +145,17 @@ bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabl
   const ImVec2 a = ImGui::GetItemRectMin();
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float alpha = enabled ? 1.0F : 0.45F;
-  const ImVec2 size = ImGui::CalcTextSize(label.c_str());
-  list->AddText({a.x, std::round(a.y + 0.5F * (height - size.y))}, packed(paint.theme.text, alpha),
-                label.c_str());
   const float h = paint.px(16.0F);
   const float w = paint.px(30.0F);
+  ImFont* font = instead.empty() ? paint.fonts.body : paint.fonts.secondary;
+  const std::string words =
+      shortened(instead.empty() ? label : instead, font, width - w - paint.px(6.0F));
+  list->AddText(font, font->FontSize, {a.x, std::round(a.y + 0.5F * (height - font->FontSize))},
+                packed(instead.empty() ? paint.theme.text : paint.theme.secondary, alpha),
+                words.c_str());
+  if (!instead.empty() && words != instead && ImGui::IsItemHovered()) {
+    ImGui::SetTooltip("%s", instead.c_str());
+  }
   const ImVec2 track(a.x + width - w, std::round(a.y + 0.5F * (height - h)));
   list->AddRectFilled(track, {track.x + w, track.y + h},
                       packed(on ? paint.theme.accent : paint.theme.hover, alpha), 0.5F * h);

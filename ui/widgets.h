@@ -41,8 +41,9 @@ bool iconButton(const Painter& paint, const char* icon, const std::string& label
 /// Exactly one of several; returns the chosen index, which may be a new one.
 std::size_t segmented(const Painter& paint, const char* id, const std::vector<std::string>& labels,
                       std::size_t chosen, bool enabled = true);
-/// A switch with its words on the left.
-bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabled = true);
+/// A switch with its words on the left: the label, or what is said in its place, 13 px.
+bool toggle(const Painter& paint, const std::string& label, bool& on, bool enabled = true,
+            const std::string& instead = {});
 
 /// A key and a value over a thin track; true when the value changed.
 bool slider(const Painter& paint, const std::string& label, int& value, int low, int high);

@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-#include <imgui_internal.h>  // after imgui.h: closing a list by Escape
+#include <imgui_internal.h>  // after imgui.h: closing a list by Escape, items over others
 
 #include <algorithm>
 #include <chrono>
@@ -34,6 +34,7 @@ VolumeLook lookOf(const Volume& volume) {
 }
 
 void Workspace::showVolume(std::shared_ptr<const Volume> volume, const VolumeLook& look) {
+  exchange_ = {};
   modality_ = volume->modality;
   followedStep_ = ~std::uint64_t{0};
   const Rect& area = layout_.view[0];
@@ -48,10 +49,15 @@ void Workspace::showVolume(std::shared_ptr<const Volume> volume, const VolumeLoo
 
 void Workspace::showLabels(std::shared_ptr<const LabelGrid> labels) {
   labels_ = std::move(labels);
-  if (labels_ == nullptr || labels_->labels.empty()) {
+  showPreview(labels_);
+}
+
+void Workspace::showPreview(std::shared_ptr<const LabelGrid> labels) {
+  seen_ = std::move(labels);
+  if (seen_ == nullptr || seen_->labels.empty()) {
     textures_.dropLabels();
   } else {
-    textures_.setLabels(labels_);
+    textures_.setLabels(seen_);
   }
 }
 
@@ -97,6 +103,7 @@ void Workspace::showInstrument(const Instrument& instrument) {
 
 void Workspace::clearCase() {
   labels_.reset();
+  seen_.reset();
   textures_.clear();
   showBodies({});
   scene_->surface().clear();
@@ -121,14 +128,16 @@ void Workspace::readKeys(Window& window, const Model& model, Actions& actions) {
       actions.push_back(act::ForceOff{});
       if (model.simulate.grabbed) actions.push_back(act::Grab{false});
       // One thing a press, the nearest first.
-      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) {
-        ImGui::ClosePopupToLevel(0, true);
+      if (const int open = ImGui::GetCurrentContext()->OpenPopupStack.Size; open > 0) {
+        ImGui::ClosePopupToLevel(open - 1, true);
       } else if (help_) {
         help_ = false;
       } else if (!ImGui::GetIO().WantTextInput &&
                  (model.task != Task::Segment || !segment_.abandon())) {
         fill(std::nullopt);
       }
+    } else if (ImGui::GetTopMostPopupModal() != nullptr) {
+      continue;  // a dialog is open: it is answered first
     } else if (key.size() == 1 && key[0] >= '1' && key[0] <= '4') {
       actions.push_back(act::ShowTask{static_cast<Task>(key[0] - '1')});
     } else if (key == "space") {
@@ -178,12 +187,19 @@ void Workspace::moveByKeys(const Window& window, const Model& model, Actions& ac
   actions.push_back(act::MoveHand{state_.camera.q_PC * (speed * seconds * wish)});
 }
 
+/// An instrument that rests is only in the way of the tools of Segment.
+const Snapshot* Workspace::shownSnapshot(const Model& model) {
+  const bool rests = model.task == Task::Segment && !model.simulate.running;
+  return rests ? nullptr : model.snapshot;
+}
+
 PlacedMesh Workspace::placedTool(const Model& model) const {
   PlacedMesh placed;
-  if (model.snapshot == nullptr || instrument_.triangles.empty()) return placed;
+  const Snapshot* snapshot = shownSnapshot(model);
+  if (snapshot == nullptr || instrument_.triangles.empty()) return placed;
   placed.vertices_T = &instrument_.vertices;
   placed.triangles = &instrument_.triangles;
-  placed.X_PT = isometry(model.snapshot->tool);
+  placed.X_PT = isometry(snapshot->tool);
   return placed;
 }
 
@@ -196,8 +212,12 @@ void Workspace::drawPanel(const Painter& paint, const Model& model, double now) 
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
                       {paint.px(Measures::kPadding), paint.px(Measures::kPadding)});
   // A child of its own for each task: each keeps its place when scrolled.
+  // Segment has a part of its own that scrolls.
   ImGui::BeginChild(taskName(model.task), {area.w, area.h}, false,
-                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoBackground);
+                    ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoBackground |
+                        (model.task == Task::Segment
+                             ? ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse
+                             : 0));
   ImGui::PopStyleVar();
   if (model.task != Task::Segment) state_.preview.reset();
   switch (model.task) {
@@ -205,7 +225,7 @@ void Workspace::drawPanel(const Painter& paint, const Model& model, double now) 
       drawLibraryPanel(paint, model, library_);
       break;
     case Task::Segment:
-      drawSegmentPanel(paint, model, segment_, state_, now);
+      drawSegmentPanel(paint, model, segment_, exchange_, state_, now);
       break;
     case Task::Simulate:
       drawSimulatePanel(paint, model, spaceHolds_);
@@ -284,24 +304,25 @@ void Workspace::drawSceneTools(const Painter& paint, const Rect& area, const Mod
 void Workspace::drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift,
                           double now, bool patient) {
   ImGui::SetCursorScreenPos({area.x, area.y});
-  ImGui::SetItemAllowOverlap();
+  // Under its buttons: what is pressed there does not reach the tools.
   ImGui::InvisibleButton("scene", {std::max(1.0F, area.w), std::max(1.0F, area.h)},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
-                             ImGuiButtonFlags_MouseButtonMiddle);
+                             ImGuiButtonFlags_MouseButtonMiddle |
+                             static_cast<int>(ImGuiButtonFlags_AllowItemOverlap));
   ImGui::SetItemAllowOverlap();
   paint.note("3D view");
   const bool mouseHand =
       model.simulate.running && model.simulate.hand == HandKind::Mouse && model.snapshot != nullptr;
   const bool holding = mouseHand && (model.simulate.grabbed || shift);
   const bool edits = model.task == Task::Segment && model.openCase.open;
-  const bool taken = edits && editInScene(segment_, state_.camera, area, labels_.get(),
-                                          hiddenLabels(model), paint.actions);
+  const ScenePicks picks{seen_.get(), labels_.get(), chosenValue(model), hiddenLabels(model)};
+  const bool taken = edits && editInScene(segment_, state_.camera, area, picks, paint.actions);
   if (!taken && interactWithScene(state_.camera, area, holding, paint.actions)) {
     fill(state_.filled ? std::nullopt : std::optional(View::Scene));
   }
   gripped_ = holding && ImGui::IsItemActive() && ImGui::IsMouseDown(0);
-  scene_->draw(area, textures_, state_, model.snapshot, paint.theme, now, patient);
-  if (edits) drawEditInScene(segment_, state_.camera, area, paint.theme, paint.scale);
+  scene_->draw(area, textures_, state_, shownSnapshot(model), paint.theme, now, patient);
+  if (edits) drawEditInScene(segment_, state_.camera, area, picks, paint.theme, paint.scale);
   if (holding) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     ImGui::GetWindowDrawList()->AddRect({area.x + 1, area.y + 1},
@@ -320,16 +341,20 @@ std::vector<std::uint8_t> Workspace::hiddenLabels(const Model& model) const {
   return hidden;
 }
 
+std::uint8_t Workspace::chosenValue(const Model& model) const {
+  for (const LabelRow& row : model.segment.labels) {
+    if (row.name == segment_.label) return row.value;
+  }
+  return 0;
+}
+
 SliceTool Workspace::toolFor(const Painter& paint, const Model& model, View view) {
   if (model.task != Task::Segment || !model.openCase.open) return {};
   SliceTool tool;
   tool.takes = [this, &paint, &model, view](const Rect& area, const SlicePlane& plane,
                                             const SliceFit& fit, double slice) {
-    std::uint8_t value = 0;
-    for (const LabelRow& row : model.segment.labels) {
-      if (row.name == segment_.label) value = row.value;
-    }
-    const SliceMouse at{labels_.get(), value, view, area, textures_.grid(), plane, fit, slice};
+    const SliceMouse at{labels_.get(), chosenValue(model), view, area, textures_.grid(), plane, fit,
+                        slice};
     return editInSlice(segment_, at, paint.actions);
   };
   tool.draws = [this, view](const SliceOverlay& over) { drawEditInSlice(segment_, over, view); };
@@ -353,12 +378,30 @@ void Workspace::drawViews(const Painter& paint, const Model& model, bool shift, 
   for (std::size_t i = 0; i < slices_.size(); ++i) {
     const auto view = static_cast<View>(i + 1);
     if (!shown(view)) continue;
-    if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool, model.snapshot,
-                        toolFor(paint, model, view), paint.theme, paint.fonts.secondary,
-                        paint.scale)) {
+    if (slices_[i].draw(layout_.view[i + 1], textures_, sliceProgram_, state_, tool,
+                        shownSnapshot(model), toolFor(paint, model, view), paint.theme,
+                        paint.fonts.secondary, paint.scale)) {
       fill(state_.filled ? std::nullopt : std::optional(view));
     }
+    drawEnlarge(paint, view);
   }
+}
+
+/// Tools take the double-click of a slice: a button enlarges it too, shown while the mouse is
+/// there.
+void Workspace::drawEnlarge(const Painter& paint, View view) {
+  const Rect& area = layout_.view[static_cast<std::size_t>(view)];
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (!textures_.loaded() || !area.contains(mouse.x, mouse.y) || segment_.drawingIn) return;
+  const bool filled = state_.filled == view;
+  const float side = paint.px(28.0F);
+  ImGui::SetCursorScreenPos({area.right() - side - paint.px(4.0F), area.y + paint.px(26.0F)});
+  ImGui::PushID(static_cast<int>(view));
+  if (iconButton(paint, filled ? icon::kCompress : icon::kExpand,
+                 filled ? "Smaller (Esc)" : "Fill the window with this slice")) {
+    fill(filled ? std::nullopt : std::optional(view));
+  }
+  ImGui::PopID();
 }
 
 /// Texts from outside, in whatever script.
@@ -385,6 +428,11 @@ void Workspace::needCharacters(Window& window, const Model& model) const {
   need(model.job.what);
   need(library_.path);
   need(segment_.name);
+  need(segment_.editName);
+  for (const std::string& part : segment_.parts) need(part);
+  for (const std::string* text : {&exchange_.path, &exchange_.from, &exchange_.only}) need(*text);
+  need(model.segment.exchange.folder.string());
+  for (const DirectoryRow& entry : model.segment.exchange.entries) need(entry.name);
 }
 
 /// Volume and labels before surfaces: a stroke is looked for in the slice.
@@ -428,6 +476,7 @@ Actions Workspace::draw(Window& window, const Model& model, double now, bool pat
   drawMessages(paint, middle, model.messages);
   const Rect whole{0, 0, width, height};
   drawShortcuts(paint, whole, help_);
+  drawExchange(paint, whole, model, exchange_, segment_.label);
   if (model.askClose) drawCloseQuestion(paint, whole);
   return actions;
 }

@@ -41,6 +41,8 @@ class Workspace {
   void showVolume(std::shared_ptr<const Volume> volume, const VolumeLook& look);
   /// Null: none. Kept until it is replaced, to pick in the 3D view.
   void showLabels(std::shared_ptr<const LabelGrid> labels);
+  /// How the labels would be, until showLabels(): tools still work on those that are.
+  void showPreview(std::shared_ptr<const LabelGrid> labels);
   /// The scene's loose bodies; their labels are no longer drawn as anatomy. Empty: none.
   void showBodies(const std::vector<BodySurface>& bodies);
   void showRows(const std::vector<LabelRow>& rows);
@@ -82,11 +84,15 @@ class Workspace {
   void drawPanel(const Painter& paint, const Model& model, double now);
   [[nodiscard]] SliceTool toolFor(const Painter& paint, const Model& model, View view);
   [[nodiscard]] std::vector<std::uint8_t> hiddenLabels(const Model& model) const;
+  /// Of the label that the tools work on; 0: none.
+  [[nodiscard]] std::uint8_t chosenValue(const Model& model) const;
   void drawViews(const Painter& paint, const Model& model, bool shift, double now, bool patient);
   void drawScene(const Painter& paint, const Rect& area, const Model& model, bool shift, double now,
                  bool patient);
+  void drawEnlarge(const Painter& paint, View view);
   void drawSceneTools(const Painter& paint, const Rect& area, const Model& model);
   void drawEmptyScene(const Painter& paint, const Rect& area, const Model& model) const;
+  [[nodiscard]] static const Snapshot* shownSnapshot(const Model& model);
   [[nodiscard]] PlacedMesh placedTool(const Model& model) const;
   void fill(std::optional<View> view) { state_.filled = view; }
   void send(bool all);
@@ -98,9 +104,10 @@ class Workspace {
   GlProgram sliceProgram_;
   ViewState state_;
   Layout layout_;
-  std::shared_ptr<const LabelGrid> labels_;
+  std::shared_ptr<const LabelGrid> labels_, seen_;  ///< As they are, and as they are drawn.
   LibraryPanelState library_;
   SegmentPanelState segment_;
+  ExchangePanelState exchange_;
   TriangleMesh instrument_;
   Camera startCamera_;
   bool spaceHolds_ = false, armHeld_ = false, gripped_ = false, help_ = false;

@@ -28,6 +28,12 @@ Result<std::vector<Anatomy>> readAnatomies(const std::filesystem::path& path) {
   return anatomies;
 }
 
+LabelTable rowsOfAnatomies(const std::vector<Anatomy>& anatomies) {
+  LabelTable rows;
+  for (const Anatomy& a : anatomies) rows.push_back({a.name, 0, a.colour, a.material});
+  return rows;
+}
+
 void dressNewRows(const LabelTable& before, LabelTable& after,
                   const std::vector<Anatomy>& anatomies) {
   for (LabelInfo& row : after) {

@@ -22,6 +22,9 @@ struct Anatomy {
 /// Unknown keys, a name twice and values out of range are refused by name.
 [[nodiscard]] Result<std::vector<Anatomy>> readAnatomies(const std::filesystem::path& file);
 
+/// Their names, colours and materials as rows of a table; no row has a value.
+[[nodiscard]] LabelTable rowsOfAnatomies(const std::vector<Anatomy>& anatomies);
+
 /// Gives rows of `after` that are not in `before` the colour and material of the anatomy of their
 /// name, where there is one.
 void dressNewRows(const LabelTable& before, LabelTable& after,

@@ -79,6 +79,24 @@ const char* exchangeFormatName(ExchangeFormat format) {
   return "";
 }
 
+const char* exchangeEnding(ExchangeFormat format) {
+  switch (format) {
+    case ExchangeFormat::DicomSeg:
+      return ".dcm";
+    case ExchangeFormat::MetaImage:
+      return ".mha";
+    case ExchangeFormat::Nrrd:
+      return ".seg.nrrd";
+    case ExchangeFormat::Stl:
+      return ".stl";
+    case ExchangeFormat::Ply:
+      return ".ply";
+    case ExchangeFormat::Obj:
+      return ".obj";
+  }
+  return "";
+}
+
 bool isSurface(ExchangeFormat format) {
   return format == ExchangeFormat::Stl || format == ExchangeFormat::Ply ||
          format == ExchangeFormat::Obj;

@@ -19,6 +19,8 @@ enum class ExchangeFormat { DicomSeg, MetaImage, Nrrd, Stl, Ply, Obj };
 
 /// "DICOM SEG", "MetaImage", "NRRD", "STL", "PLY", "OBJ".
 [[nodiscard]] const char* exchangeFormatName(ExchangeFormat format);
+/// ".dcm", ".mha", ".seg.nrrd", ".stl", ".ply", ".obj".
+[[nodiscard]] const char* exchangeEnding(ExchangeFormat format);
 /// One label a file, as triangles.
 [[nodiscard]] bool isSurface(ExchangeFormat format);
 

@@ -39,6 +39,10 @@ struct ExportReport {
 /// labels for a surface, and what the format cannot hold.
 [[nodiscard]] Result<ExportReport> exportLabels(const ExportRequest& request,
                                                 const Progress& progress = {});
+/// The same of labels in memory. The case's folder is only refused as a place.
+[[nodiscard]] Result<ExportReport> exportLabels(const ExportRequest& request, const CaseInfo& info,
+                                                const LabelGrid& labels, const LabelTable& table,
+                                                const Progress& progress = {});
 
 /// The labels of a file on a case's grid. A surface is one label, "label-1". Where the file holds
 /// one label, `only` renames it; where it holds several, `only` chooses one of them, by name.
@@ -54,5 +58,18 @@ struct ExportReport {
 [[nodiscard]] Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels,
                                        LabelTable& table, std::vector<std::string>& warnings,
                                        const LabelTable& usual = {});
+
+struct JoinedLabels {
+  LabelState state;
+  std::vector<std::string> replaced, added;  ///< Names.
+  std::vector<std::string> warnings;
+};
+
+/// What a case's labels become with those of a file: importLabels(), then mergeLabels(). `before`
+/// may have no voxels (nothing labelled yet).
+[[nodiscard]] Result<JoinedLabels> joinLabels(const std::filesystem::path& file,
+                                              const GridGeometry& geometry, const std::string& only,
+                                              LabelState before, const LabelTable& usual = {},
+                                              const Progress& progress = {});
 
 }  // namespace palpate

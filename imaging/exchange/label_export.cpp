@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "core/base/whole_file.h"
 #include "imaging/exchange/label_exchange.h"
@@ -25,7 +26,7 @@ Result<void> refusePlace(const ExportRequest& request) {
     return fail(inputRefused("The output exists.")
                     .inFile(request.file.string())
                     .wants("a new name")
-                    .advise("Choose another name, or replace it with --force."));
+                    .advise("Choose another name; `palpate export --force` replaces it."));
   }
   return checkWritable(request.file);
 }
@@ -56,10 +57,13 @@ Result<LabelTable> chosenRows(const LabelTable& table, const std::vector<std::st
 }
 
 /// Labels that are not exported become background.
-void keepOnly(const LabelTable& rows, LabelGrid& grid) {
+LabelGrid onlyThese(const LabelTable& rows, const LabelGrid& grid) {
   std::array<std::uint8_t, 256> keep{};
   for (const LabelInfo& row : rows) keep[row.value] = row.value;
-  for (std::uint8_t& label : grid.labels) label = keep[label];
+  LabelGrid kept{grid.geometry, std::vector<std::uint8_t>(grid.labels.size())};
+  std::transform(grid.labels.begin(), grid.labels.end(), kept.labels.begin(),
+                 [&keep](std::uint8_t label) { return keep[label]; });
+  return kept;
 }
 
 Result<void> exportSurface(const ExportRequest& request, const LabelGrid& grid,
@@ -69,8 +73,8 @@ Result<void> exportSurface(const ExportRequest& request, const LabelGrid& grid,
                     .inField("--label")
                     .butFound(std::to_string(rows.size()) + " labels")
                     .wants("one of " + namesOf(rows))
-                    .advise("Name one label with --label, and export the others to files of their "
-                            "own."));
+                    .advise("Choose one label, and export the others to files of their own; "
+                            "`palpate export --label NAME` takes one."));
   }
   const auto mesh = labelSurface(grid, rows.front().value, progress);
   if (!mesh) return fail(mesh.error());
@@ -90,6 +94,34 @@ Result<void> exportSeg(const ExportRequest& request, const CaseInfo& info, const
                        request.file, progress);
 }
 
+Result<ExportReport> write(const ExportRequest& request, ExchangeFormat format,
+                           const CaseInfo& info, const LabelGrid& labels, const LabelTable& table,
+                           const Progress& progress) {
+  const auto rows = chosenRows(table, request.labels);
+  if (!rows) return fail(rows.error());
+  // All labels of the volume are of the table in most cases: then no copy is made.
+  std::array<bool, 256> chosen{};
+  chosen[0] = true;
+  for (const LabelInfo& row : *rows) chosen[row.value] = true;
+  const bool all = std::all_of(labels.labels.begin(), labels.labels.end(),
+                               [&chosen](std::uint8_t label) { return chosen[label]; });
+  const LabelGrid kept = all ? LabelGrid{} : onlyThese(*rows, labels);
+  const LabelGrid& grid = all ? labels : kept;
+  ExportReport report;
+  report.format = format;
+  for (const LabelCount& count : countLabels(grid, *rows)) {
+    report.labels.push_back({count.name, count.value, count.voxels});
+  }
+  if (progress.cancelled()) return fail(cancelled());
+  const Result<void> written =
+      isSurface(format)                    ? exportSurface(request, grid, *rows, progress, report)
+      : format == ExchangeFormat::DicomSeg ? exportSeg(request, info, grid, *rows, progress, report)
+                                           : writeLabelVolume(grid, *rows, request.file);
+  if (!written) return fail(written.error());
+  progress(1.0, "Exported");
+  return report;
+}
+
 }  // namespace
 
 Result<ExportReport> exportLabels(const ExportRequest& request, const Progress& progress) {
@@ -99,26 +131,18 @@ Result<ExportReport> exportLabels(const ExportRequest& request, const Progress& 
   if (!info) return fail(info.error());
   if (auto place = refusePlace(request); !place) return fail(place.error());
   progress(0.0, "Reading the labels");
-  auto state = readCaseLabelState(request.caseFolder);
+  const auto state = readCaseLabelState(request.caseFolder);
   if (!state) return fail(state.error());
-  LabelGrid& grid = state->labels;
-  const auto rows = chosenRows(state->table, request.labels);
-  if (!rows) return fail(rows.error());
-  keepOnly(*rows, grid);
-  ExportReport report;
-  report.format = *format;
-  for (const LabelCount& count : countLabels(grid, *rows)) {
-    report.labels.push_back({count.name, count.value, count.voxels});
-  }
-  if (progress.cancelled()) return fail(cancelled());
-  const Result<void> written = isSurface(*format)
-                                   ? exportSurface(request, grid, *rows, progress, report)
-                               : *format == ExchangeFormat::DicomSeg
-                                   ? exportSeg(request, *info, grid, *rows, progress, report)
-                                   : writeLabelVolume(grid, *rows, request.file);
-  if (!written) return fail(written.error());
-  progress(1.0, "Exported");
-  return report;
+  return write(request, *format, *info, state->labels, state->table, progress);
+}
+
+Result<ExportReport> exportLabels(const ExportRequest& request, const CaseInfo& info,
+                                  const LabelGrid& labels, const LabelTable& table,
+                                  const Progress& progress) {
+  const auto format = exportFormat(request.file);
+  if (!format) return fail(format.error());
+  if (auto place = refusePlace(request); !place) return fail(place.error());
+  return write(request, *format, info, labels, table, progress);
 }
 
 }  // namespace palpate

@@ -51,12 +51,14 @@ Result<void> choose(FoundLabels& found, const std::string& only, const fs::path&
   for (const FoundLabel& label : found.labels) names += (names.empty() ? "" : ", ") + label.name;
   std::erase_if(found.labels, [&](const FoundLabel& label) { return label.name != only; });
   if (!found.labels.empty()) return {};
-  return fail(inputRefused("The file has no label of that name.")
-                  .inFile(file.string())
-                  .inField("--label")
-                  .butFound(only)
-                  .wants("one of " + names)
-                  .advise("Choose one of these, or leave --label out to take them all."));
+  return fail(
+      inputRefused("The file has no label of that name.")
+          .inFile(file.string())
+          .inField("--label")
+          .butFound(only)
+          .wants("one of " + names)
+          .advise("Choose one of these, or none to take them all; `palpate segment` without "
+                  "--label does."));
 }
 
 /// The stated value where no row has it, else the lowest free one.
@@ -92,7 +94,9 @@ bool addRow(const FoundLabel& label, const LabelTable& usual, LabelTable& table,
 std::string guessWarning(const std::vector<std::string>& guessed) {
   std::string names;
   for (const std::string& name : guessed) names += (names.empty() ? "" : ", ") + name;
-  return "The material of " + names + " is a guess (bone): name the right one in labels.toml.";
+  return "The material of " + names +
+         " is a guess (bone): choose the right one in the window, or in "
+         "labels.toml.";
 }
 
 }  // namespace
@@ -125,7 +129,8 @@ Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels, LabelTable
                         .inField("label")
                         .butFound("255 labels")
                         .wants("at most 255")
-                        .advise("Choose one label of the file with --label."));
+                        .advise("Choose one label of the file; `palpate segment --label NAME` "
+                                "does."));
       }
       row = table.end() - 1;
     }
@@ -143,6 +148,33 @@ Result<void> mergeLabels(const FoundLabels& found, LabelGrid& labels, LabelTable
   }
   if (!guessed.empty()) warnings.push_back(guessWarning(guessed));
   return {};
+}
+
+Result<JoinedLabels> joinLabels(const fs::path& file, const GridGeometry& geometry,
+                                const std::string& only, LabelState before, const LabelTable& usual,
+                                const Progress& progress) {
+  auto found = importLabels(file, geometry, only, progress);
+  if (!found) return fail(found.error());
+  JoinedLabels joined;
+  for (const FoundLabel& label : found->labels) {
+    const bool there =
+        std::any_of(before.table.begin(), before.table.end(),
+                    [&label](const LabelInfo& row) { return row.name == label.name; });
+    (there ? joined.replaced : joined.added).push_back(label.name);
+  }
+  joined.state = std::move(before);
+  if (joined.state.labels.labels.empty()) {
+    joined.state.labels.geometry = geometry;
+    joined.state.labels.labels.assign(geometry.voxelCount(), 0);
+  }
+  joined.warnings = std::move(found->warnings);
+  if (auto merged =
+          mergeLabels(*found, joined.state.labels, joined.state.table, joined.warnings, usual);
+      !merged) {
+    return fail(merged.error());
+  }
+  if (progress.cancelled()) return fail(cancelled());
+  return joined;
 }
 
 }  // namespace palpate

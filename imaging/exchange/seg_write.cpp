@@ -277,7 +277,7 @@ Result<void> writeDicomSeg(const LabelGrid& labels, const LabelTable& table,
                     .inField("PixelData")
                     .butFound(std::to_string(bits.bytes().size()) + " bytes")
                     .wants("less than 4 GiB")
-                    .advise("Export fewer labels a file with --label, or as .nrrd."));
+                    .advise("Export fewer labels in one file, or as .nrrd."));
   }
   progress(0.9, "Writing the segmentation");
   return save(*seg, table, origin, bits.bytes(), file);

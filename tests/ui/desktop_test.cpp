@@ -11,8 +11,10 @@
 
 #include "core/session/replay.h"
 #include "imaging/case_folder.h"
+#include "imaging/exchange/label_exchange.h"
 #include "imaging/segment/apply.h"
 #include "imaging/segment/case_recipe.h"
+#include "imaging/volume_files.h"
 #include "tests/ui/synthetic_case.h"
 #include "ui/picture.h"
 
@@ -224,6 +226,110 @@ TEST_F(DesktopTest, AScriptsFramesAreReportedByItsPhases) {
     EXPECT_GE(phase["peak_MiB"], phase["end_MiB"]);
   }
   EXPECT_GT(phases[1]["busy_s"], 0.0);
+}
+
+/// The home is where an export goes unless another place is chosen.
+class ExchangeInWindow : public DesktopTest {
+ protected:
+  void SetUp() override {
+    DesktopTest::SetUp();
+    if (IsSkipped()) return;
+    fs::create_directory(folder_ / "home");
+    ::setenv("HOME", (folder_ / "home").c_str(), 1);
+    const auto state = readCaseLabelState(folder_ / "case");
+    ASSERT_TRUE(state);
+    before_ = *state;
+  }
+  int run(const std::string& text) {
+    DesktopOptions o = options();
+    o.task = "segment";
+    script(o, "wait-idle\nwait 3\n" + text + "quit\n");
+    return runDesktop(o);
+  }
+  std::vector<std::uint8_t> labelsOf(const fs::path& file) const {
+    const auto found = importLabels(file, before_.labels.geometry, "");
+    EXPECT_TRUE(found) << sentence(found.error());
+    return found ? found->grid.labels : std::vector<std::uint8_t>{};
+  }
+  /// Through the dialog into a file of that path.
+  static std::string exporting(const std::string& format, const std::string& answer = "") {
+    return "click-item Export\xe2\x80\xa6\nwait 3\nclick-item " + format +
+           "\nwait 2\nclick-item Export\nwait 3\nwait-idle\nwait 3\n" +
+           (answer.empty() ? "" : "click-item " + answer + "\nwait 3\nwait-idle\nwait 3\n");
+  }
+  static std::string taking(const std::string& file) {
+    return "click-item From file\xe2\x80\xa6\nwait 3\nclick-item Path of the file\nwait 2\n"
+           "text " +
+           file + "\nwait 2\nclick-item Take the labels\nwait 3\nwait-idle\nwait 3\n";
+  }
+  LabelState before_;
+};
+
+TEST_F(ExchangeInWindow, EveryFormatIsWrittenUnderThePseudonym) {
+  std::string all;
+  for (const char* format : {"DICOM SEG", "NRRD", "MetaImage", "STL", "PLY", "OBJ"}) {
+    all += exporting(format);
+  }
+  ASSERT_EQ(run(all), 0);
+  for (const char* name :
+       {"labels.dcm", "labels.seg.nrrd", "labels.mha", "bone.stl", "bone.ply", "bone.obj"}) {
+    const fs::path file = folder_ / "home" / (std::string("Case-0001-") + name);
+    ASSERT_TRUE(fs::exists(file)) << file;
+    const auto back = labelsOf(file);
+    if (std::string(name).find("labels") == 0) {
+      EXPECT_EQ(back, before_.labels.labels) << name;
+    }
+  }
+  EXPECT_EQ(readCaseLabels(folder_ / "case")->labels, before_.labels.labels);
+}
+
+TEST_F(ExchangeInWindow, AFileThatIsThereIsReplacedOnlyWhenSaid) {
+  const fs::path file = folder_ / "home/Case-0001-labels.mha";
+  const auto mine = [&file] {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  std::ofstream(file) << "mine";
+  ASSERT_EQ(run(exporting("MetaImage", "Another name") + "click-item Cancel\nwait 3\n"), 0);
+  EXPECT_EQ(mine(), "mine");
+  ASSERT_EQ(run(exporting("MetaImage") + "key escape\nwait 3\n"), 0);
+  EXPECT_EQ(mine(), "mine");
+  ASSERT_EQ(run(exporting("MetaImage", "Replace it")), 0);
+  EXPECT_EQ(labelsOf(file), before_.labels.labels);
+}
+
+TEST_F(ExchangeInWindow, LabelsOfAFileComeInAndGoBack) {
+  LabelGrid half = before_.labels;
+  for (std::size_t i = 0; i < half.labels.size(); i += 2) half.labels[i] = 0;
+  ASSERT_TRUE(writeLabelFile(half, folder_ / "half.mha"));
+  const std::string take = taking((folder_ / "half.mha").string());
+  ASSERT_EQ(run(take), 0);
+  auto after = readCaseLabelState(folder_ / "case");
+  ASSERT_TRUE(after);
+  ASSERT_EQ(after->table.size(), 2U) << "the file names its label otherwise: it is new";
+  EXPECT_EQ(after->table[1].name, "label-1");
+  EXPECT_TRUE(readCaseRecipe(folder_ / "case").steps.empty()) << "no step makes them";
+  for (std::size_t i = 0; i < half.labels.size(); ++i) {
+    const std::uint8_t was = before_.labels.labels[i];
+    ASSERT_EQ(after->labels.labels[i], half.labels[i] != 0 ? after->table[1].value : was) << i;
+  }
+  ASSERT_TRUE(writeCaseLabels(folder_ / "case", before_.labels, before_.table));
+  ASSERT_EQ(run(take + "click-item Undo\nwait-idle\nwait 3\n"), 0);
+  after = readCaseLabelState(folder_ / "case");
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->table.size(), 1U);
+  EXPECT_EQ(after->labels.labels, before_.labels.labels);
+}
+
+TEST_F(ExchangeInWindow, LabelsOfAnotherScanChangeNothing) {
+  const Volume other = test::syntheticHead(40);
+  ASSERT_TRUE(writeLabelFile(test::syntheticBone(other), folder_ / "other.mha"));
+  // Only a Problem stays until it is dismissed.
+  ASSERT_EQ(run(taking((folder_ / "other.mha").string()) + "wait 300\nclick-item Dismiss\n"), 0);
+  const auto after = readCaseLabelState(folder_ / "case");
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->labels.labels, before_.labels.labels);
+  EXPECT_EQ(after->table.size(), 1U);
 }
 
 /// "Stop" is on the screen only while the simulation runs; the script fails where it is not.

@@ -9,6 +9,8 @@
 #include <map>
 #include <thread>
 
+#include "imaging/exchange/label_volume.h"
+
 namespace palpate {
 namespace {
 
@@ -225,6 +227,38 @@ TEST_F(Worker, AfterManyStepsTheSurfacesAreThoseOfTheLast) {
       EXPECT_EQ((*chunks)[i].vertices_mm, (*expected)[i].vertices_mm) << int(value);
     }
   }
+}
+
+/// A file's labels come in between the steps, and go back as one.
+TEST_F(Worker, LabelsOfAFileAreAStepLikeAnyOther) {
+  char name[] = "/tmp/palpate_join_XXXXXX";
+  const std::filesystem::path folder = ::mkdtemp(name);
+  LabelGrid plate{cubes()->geometry, {}};
+  plate.labels.assign(plate.geometry.voxelCount(), 0);
+  for (int i = 0; i < 48; ++i) plate.labels[plate.geometry.index(i, 2, 2)] = 4;
+  ASSERT_TRUE(writeLabelVolume(plate, {LabelInfo{.name = "plate", .value = 4}}, folder / "a.nrrd"));
+  worker.commit(bone());
+  worker.join(folder / "a.nrrd", "");
+  worker.commit(margin(tool::Margin::Operation::Erode, 1.0));
+  worker.join(folder / "nothing.nrrd", "");
+  std::vector<LabelWorker::Outcome> steps;
+  for (auto& outcome : all()) {
+    if (outcome.kind != Kind::Surfaces) steps.push_back(std::move(outcome));
+  }
+  std::filesystem::remove_all(folder);
+  ASSERT_EQ(steps.size(), 4U);
+  EXPECT_EQ(steps[1].kind, Kind::Joined);
+  EXPECT_EQ(steps[1].added, std::vector<std::string>{"plate"});
+  EXPECT_EQ(count(steps[1].labels), 64001);
+  const auto& after = steps[2].labels->grid->labels;
+  EXPECT_EQ(std::count(after.begin(), after.end(), 4), 48);
+  EXPECT_EQ(steps[3].labels, nullptr);
+  EXPECT_EQ(steps[3].error.message, "There is no such file.");
+  worker.restore(steps[1].before);
+  const auto outcomes = all();
+  ASSERT_FALSE(outcomes.empty());
+  EXPECT_EQ(outcomes[0].labels->table.size(), 1U);
+  EXPECT_EQ(outcomes[0].labels->grid->labels, steps[0].labels->grid->labels);
 }
 
 TEST_F(Worker, AnotherCaseHearsNothingOfTheLast) {

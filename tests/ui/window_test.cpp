@@ -315,6 +315,60 @@ TEST_F(InteractionTest, TheWheelTurnsSlicesAndTheRightButtonChangesTheWindow) {
       << "left of the middle is the patient's right";
 }
 
+TEST_F(InteractionTest, ASliceIsEnlargedAboutTheMouseAndByItsButton) {
+  shown_.model.snapshot = nullptr;
+  (void)play("click 1100 120\nwait 1");
+  const Eigen::Vector3d before = workspace_->views().crosshair_P;
+  (void)play("hold ctrl\nwheel 5\nlet ctrl\nwait 1\nclick 1100 120\nwait 1");
+  EXPECT_GT(workspace_->views().slice[1].zoom, 1.9);
+  EXPECT_LT((workspace_->views().crosshair_P - before).norm(), 1e-6);
+  shown_.model.task = Task::Segment;
+  workspace_->segment().kind = ToolKind::Brush;
+  (void)play("double 1100 120\nwait 2");
+  EXPECT_EQ(workspace_->views().filled, std::nullopt) << "the brush paints";
+  (void)play("click-item Fill the window with this slice\nwait 2");
+  EXPECT_EQ(workspace_->views().filled, View::Axial);
+}
+
+TEST_F(InteractionTest, SidesOfTheBoxAreDraggedAndAClickChangesNothing) {
+  shown_.model.snapshot = nullptr;
+  shown_.model.task = Task::Segment;
+  SegmentPanelState& state = workspace_->segment();
+  (void)play("wait 1");
+  state.kind = ToolKind::Box;
+  (void)play("drag 1100 120 1180 200\nwait 1");
+  ASSERT_TRUE(state.box_mm);
+  const auto drawn = *state.box_mm;
+  (void)play("click 1130 150\nwait 1");
+  ASSERT_TRUE(state.box_mm);
+  EXPECT_EQ((*state.box_mm)[0], drawn[0]);
+  EXPECT_EQ((*state.box_mm)[1], drawn[1]);
+  (void)play("drag 1180 160 1200 170\nwait 1");
+  const auto moved = *state.box_mm;
+  EXPECT_EQ(moved[0], drawn[0]);
+  EXPECT_GT(moved[1].x(), drawn[1].x()) << "the patient's left is at the right";
+  EXPECT_EQ(moved[1].y(), drawn[1].y());
+  EXPECT_EQ(moved[1].z(), drawn[1].z());
+}
+
+/// Seeds go onto the label as it is, though the preview already shows a part of it as another.
+TEST_F(InteractionTest, ASplitIsMendedByAClickOnWhatThePreviewTookAway) {
+  shown_.model.snapshot = nullptr;
+  shown_.model.task = Task::Segment;
+  SegmentPanelState& state = workspace_->segment();
+  (void)play("wait 1");
+  state.kind = ToolKind::Split;
+  LabelGrid preview = shown_.bone;
+  for (auto& label : preview.labels) label = label == 1 ? 2 : 0;
+  workspace_->showPreview(std::make_shared<const LabelGrid>(preview));
+  (void)play("wait 2\nclick 620 300\nwait 2");
+  EXPECT_EQ(state.picks.size(), 1U) << "the forehead, in 3D";
+  EXPECT_FALSE(state.missed);
+  (void)play("click 310 700\nwait 2");
+  EXPECT_EQ(state.picks.size(), 1U);
+  EXPECT_TRUE(state.missed) << "beside the head";
+}
+
 TEST_F(InteractionTest, WithShiftTheMouseMovesTheHandAndNotTheCamera) {
   const Camera before = workspace_->views().camera;
   const Actions actions =
@@ -363,6 +417,135 @@ TEST_F(InteractionTest, ANameInAnotherScriptIsDrawnFromTheNextFrameOn) {
   (void)play("wait 2");
   EXPECT_NE(window_->fonts().body->FindGlyphNoFallback(0x5c71), nullptr);
   EXPECT_NE(window_->fonts().body->FindGlyphNoFallback('a'), nullptr);
+}
+
+/// Whatever is open above it, the button that applies is whole in the panel and covers nothing.
+TEST_F(WindowTest, ApplyIsInReachInEveryTool) {
+  struct Size {
+    float scale;
+    int width, height;  // before scaling
+  };
+  for (const Size& size : {Size{1.0F, 1280, 800}, Size{1.5F, 1280, 800}, Size{1.5F, 854, 534}}) {
+    WindowOptions o = options();
+    o.scale = size.scale;
+    o.width = size.width;
+    o.height = size.height;
+    auto window = Window::open(o);
+    ASSERT_TRUE(window) << sentence(window.error());
+    auto workspace = Workspace::load(shaders());
+    ASSERT_TRUE(workspace);
+    Shown shown;
+    shown.model.task = Task::Segment;
+    for (std::uint8_t v = 2; v <= 8; ++v) {
+      std::string name = "label " + std::to_string(v) + " " + std::string(56, 'm');
+      if (v == 8) {
+        name.clear();
+        for (int i = 0; i < 60; ++i) name += "\xe5\xb1\xb1";
+      }
+      shown.model.segment.labels.push_back({name, v, {90, 120, 200}, 84123, 761240.0, true});
+    }
+    shown.model.segment.previewText =
+        "Preview: 143,295,232 voxels, 12,432,952 fewer and more words than the line can hold";
+    double now = 0.0;
+    (void)played(**window, **workspace, shown.model, "wait 2", now);
+    fill(**workspace, shown);
+    for (std::size_t kind = 0; kind < kTools; ++kind) {
+      SegmentPanelState& state = (*workspace)->segment();
+      state.kind = static_cast<ToolKind>(kind);
+      state.editing = 8;
+      shown.model.segment.previewRefused = kind % 2 == 1;
+      (void)played(**window, **workspace, shown.model, "wait 3", now);
+      const bool draws = state.kind == ToolKind::Brush || state.kind == ToolKind::Eraser ||
+                         state.kind == ToolKind::Scissors;
+      std::vector<std::string> names{"Undo", "Redo", "Touch it"};
+      if (!draws) {
+        names.push_back(kind == 0 ? std::string("Segment tissue")
+                                  : std::string("Apply ") + toolWords(state.kind).title);
+      }
+      const Rect& panel = (*workspace)->layout().panel;
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        SCOPED_TRACE(names[i] + " at " + std::to_string(size.scale));
+        const auto at = (*workspace)->items().find(names[i]);
+        ASSERT_NE(at, (*workspace)->items().end());
+        const Rect& r = at->second;
+        EXPECT_GE(r.x, panel.x);
+        EXPECT_LE(r.right(), panel.right());
+        EXPECT_GE(r.y, panel.y);
+        EXPECT_LE(r.bottom(), panel.bottom());
+        for (std::size_t j = 0; j < i; ++j) {
+          EXPECT_FALSE(r.overlaps((*workspace)->items().at(names[j]))) << names[j];
+        }
+      }
+    }
+  }
+}
+
+std::vector<ExportWish> exportsOf(const Actions& actions) {
+  std::vector<ExportWish> wishes;
+  for (const Action& action : actions) {
+    if (const auto* wish = std::get_if<act::ExportLabels>(&action)) wishes.push_back(wish->wish);
+  }
+  return wishes;
+}
+
+constexpr const char* kOpenExport = "wait 2\nclick-item Export\xe2\x80\xa6\nwait 3\n";
+
+TEST_F(InteractionTest, AnExportIsNamedByThePseudonymAndItsFormat) {
+  shown_.model.task = Task::Segment;
+  shown_.model.openCase.fileName = "Case-7F3A";
+  shown_.model.segment.exchange.folder = "/out";
+  shown_.model.segment.labels.push_back({"a/b", 2, {90, 120, 200}, 8, 8.0, true});
+  const auto wishes = exportsOf(
+      play(std::string(kOpenExport) + "click-item Export\nwait 3\n" + kOpenExport +
+           "click-item STL\nwait 2\nclick-item Export\nwait 3\n" + kOpenExport +
+           "click-item What to export\nwait 3\nclick-item Only bone\nwait 3\nclick-item Export\n" +
+           "wait 3\n" + kOpenExport + "click-item NRRD\nwait 2\nclick-item Export\nwait 3"));
+  ASSERT_EQ(wishes.size(), 4U);
+  EXPECT_EQ(wishes[0].file, "/out/Case-7F3A-labels.dcm");
+  EXPECT_TRUE(wishes[0].labels.empty());
+  EXPECT_EQ(wishes[1].file, "/out/Case-7F3A-a-b.stl") << "the label that is worked on";
+  EXPECT_EQ(wishes[1].labels, std::vector<std::string>{"a/b"});
+  EXPECT_EQ(wishes[2].file, "/out/Case-7F3A-bone.stl");
+  EXPECT_EQ(wishes[3].file, "/out/Case-7F3A-labels.seg.nrrd");
+  EXPECT_TRUE(wishes[3].labels.empty());
+}
+
+TEST_F(InteractionTest, AnEndingThatIsTypedChoosesTheFormat) {
+  shown_.model.task = Task::Segment;
+  const auto wishes =
+      exportsOf(play(std::string(kOpenExport) +
+                     "click-item Path of the file\nwait 1\nhold ctrl\nkey a\nlet ctrl\nwait 1\n"
+                     "text /out/mine.ply\nwait 2\nclick-item Export\nwait 3\n" +
+                     kOpenExport + "click-item NRRD\nwait 2\nclick-item Export\nwait 3"));
+  ASSERT_EQ(wishes.size(), 2U);
+  EXPECT_EQ(wishes[0].file, "/out/mine.ply");
+  EXPECT_EQ(wishes[0].labels, std::vector<std::string>{"bone"});
+  EXPECT_EQ(wishes[1].file, "/out/mine.seg.nrrd") << "a name that was chosen stays";
+  EXPECT_TRUE(wishes[1].labels.empty());
+}
+
+TEST_F(InteractionTest, AFileThatIsThereIsAskedAbout) {
+  shown_.model.task = Task::Segment;
+  auto& asks = shown_.model.segment.exchange.asks;
+  asks = ExportWish{"/out/there.dcm", {}, true};
+  Actions actions = play("wait 3\nclick-item Replace it\nwait 1");
+  ASSERT_EQ(exportsOf(actions).size(), 1U);
+  EXPECT_TRUE(exportsOf(actions)[0].overwrite);
+  asks.reset();
+  (void)play("wait 3");
+  asks = ExportWish{"/out/there.dcm", {}, true};
+  actions = play("wait 3\nkey escape\nwait 1");
+  EXPECT_TRUE(exportsOf(actions).empty());
+  EXPECT_GE(countOf<act::KeepFile>(actions), 1) << "escape keeps the file";
+  EXPECT_EQ(countOf<act::ForceOff>(actions), 1);
+}
+
+TEST_F(InteractionTest, KeysWaitWhileADialogIsOpen) {
+  shown_.model.task = Task::Segment;
+  const Actions actions = play(std::string(kOpenExport) + "key space\nkey 3\nkey r\nwait 2");
+  EXPECT_EQ(countOf<act::StartStop>(actions) + countOf<act::ShowTask>(actions) +
+                countOf<act::Record>(actions),
+            0);
 }
 
 TEST_F(InteractionTest, TheVolumeRenderingShowsBoneInFrontOfTheBackdrop) {

@@ -260,8 +260,53 @@ TEST(ImportLabels, NewLabelsAreAddedAndOldOnesOfTheNameReplaced) {
   found.labels[0].name = "liver";
   ASSERT_TRUE(mergeLabels(found, labels, table, warnings));
   EXPECT_EQ(table[3].material, "bone");
-  EXPECT_THAT(warnings, testing::ElementsAre("The material of liver is a guess (bone): name the "
-                                             "right one in labels.toml."));
+  EXPECT_THAT(warnings, testing::ElementsAre("The material of liver is a guess (bone): choose the "
+                                             "right one in the window, or in labels.toml."));
+}
+
+TEST(JoinLabels, SaysWhatItReplacedAndAddedAndStartsFromNothingToo) {
+  TestFolder folder;
+  const GridGeometry g = test::obliqueGeometry(4, 1, 1);
+  const LabelTable rows{{.name = "bone", .value = 1}, {.name = "tooth", .value = 2}};
+  const fs::path file = folder / "a.nrrd";
+  ASSERT_TRUE(writeLabelVolume({g, {0, 2, 1, 1}}, rows, file));
+  const auto first = joinLabels(file, g, "", {});
+  ASSERT_TRUE(first) << sentence(first.error());
+  EXPECT_EQ(first->state.labels.labels, (std::vector<std::uint8_t>{0, 2, 1, 1}));
+  EXPECT_THAT(first->added, testing::ElementsAre("bone", "tooth"));
+  EXPECT_THAT(first->replaced, testing::IsEmpty());
+  const LabelState before{{g, {3, 1, 0, 0}}, {{.name = "x", .value = 3}, {.name = "bone"}}};
+  const auto second = joinLabels(file, g, "bone", before);
+  ASSERT_TRUE(second) << sentence(second.error());
+  EXPECT_EQ(second->state.labels.labels, (std::vector<std::uint8_t>{3, 0, 1, 1}));
+  EXPECT_THAT(second->replaced, testing::ElementsAre("bone"));
+  EXPECT_THAT(second->added, testing::IsEmpty());
+}
+
+/// The window exports what it has in memory: the file is the command's, but for random numbers.
+TEST(ExportLabels, FromMemoryGivesTheFileOfTheCase) {
+  TestFolder folder;
+  std::mt19937 random(5);
+  const LabelGrid labels = randomLabels(randomGeometry(random), sampleTable(), random);
+  makeCase(folder / "case", labels, sampleTable());
+  const auto info = readCaseInfo(folder / "case");
+  const auto state = readCaseLabelState(folder / "case");
+  ASSERT_TRUE(info && state);
+  for (const char* name : {"a.nrrd", "a.mha"}) {
+    for (const std::vector<std::string>& only : {std::vector<std::string>{}, {"bone"}}) {
+      const fs::path one = folder / ("one-" + std::to_string(only.size()) + name);
+      const fs::path other = folder / ("other-" + std::to_string(only.size()) + name);
+      ASSERT_TRUE(exportLabels({folder / "case", one, only, false, "1"}));
+      ASSERT_TRUE(exportLabels({folder / "case", other, only, false, "1"}, *info, state->labels,
+                               state->table));
+      EXPECT_EQ(test::readBytes(one), test::readBytes(other)) << one;
+    }
+  }
+  expectRefusal(
+      exportLabels({folder / "case", folder / "case/a.nrrd", {}, true, "1"}, *info, labels,
+                   sampleTable()),
+      folder / "case/a.nrrd",
+      {"The case's own folder is no place for an export.", "", "", "a place outside the case"});
 }
 
 TEST(ExportLabels, RefusesWhatIsThereAndWhatIsNot) {
