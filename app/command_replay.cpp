@@ -19,6 +19,19 @@ struct ReplayOptions {
   std::string accuracy;
 };
 
+/// Changes of level as they were recorded, the governor's or another's.
+void addLevels(const ReplayReport& report, const std::vector<GovernorLevel>& levels,
+               CommandOutput& output) {
+  output.json["level_changes"] = ordered_json::array();
+  for (const RecordedLevel& change : report.levels) {
+    const std::string name = change.level < levels.size() ? levels[change.level].name : "";
+    output.json["level_changes"].push_back(
+        {{"step", change.step}, {"level", change.level}, {"name", name}});
+  }
+  if (report.levels.empty()) return;
+  output.text += std::to_string(report.levels.size()) + " changes of level were recorded\n";
+}
+
 CommandOutput reportReplay(const ReplayReport& report, bool otherSetting) {
   CommandOutput output;
   output.json["identical"] = report.identical;
@@ -49,6 +62,7 @@ Result<CommandOutput> runReplay(const ReplayOptions& options, const CommandConte
   if (!header) return fail(header.error());
   auto scene = prepareSession(options.file, context.progress);
   if (!scene) return fail(scene.error());
+  const std::vector<GovernorLevel> levels = (*scene)->levels;  // as it was recorded
   const bool otherSetting = !options.accuracy.empty() && options.accuracy != kRecordedAccuracy;
   if (otherSetting) {
     const Result<SimulationSetting> setting =
@@ -60,6 +74,7 @@ Result<CommandOutput> runReplay(const ReplayOptions& options, const CommandConte
   const Result<ReplayReport> report = replaySession(options.file, *scene, context.progress);
   if (!report) return fail(report.error());
   CommandOutput output = reportReplay(*report, otherSetting);
+  addLevels(*report, levels, output);
   if (!header->exact) {
     output.warnings.emplace_back("The recorder dropped entries: this session is inexact.");
   }

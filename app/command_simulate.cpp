@@ -184,6 +184,19 @@ std::string reportText(const RunReport& report) {
     table.add({"ticks late, missed",
                std::to_string(report.ticksLate) + ", " + std::to_string(report.ticksMissed)});
   }
+  if (report.governor) {
+    const GovernorReport& governor = *report.governor;
+    std::string seconds;
+    for (const double at : governor.secondsAt) {
+      seconds += (seconds.empty() ? "" : ", ") + decimal(at, 2);
+    }
+    table.add({"governor", governor.governed
+                               ? std::to_string(governor.changeCount) + " changes of level, " +
+                                     std::to_string(governor.stepsOver) + " steps over " +
+                                     decimal(governor.budget_us, 0) + " µs"
+                               : "on the real clock only"});
+    table.add({"seconds at each level", seconds});
+  }
   table.add({"most contacts", std::to_string(report.contactsMax)});
   table.add({"greatest force", decimal(report.forceMax, 3) + " N"});
   table.add({"greatest torque", decimal(report.torqueMax * 1e3, 2) + " N·mm"});

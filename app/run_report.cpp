@@ -24,6 +24,36 @@ ordered_json binsJson(const DurationBins& bins) {
   return list;
 }
 
+/// Null where the scene has no levels.
+ordered_json governorJson(const RunReport& report, const PreparedScene& scene) {
+  if (!report.governor) return nullptr;
+  const GovernorReport& found = *report.governor;
+  ordered_json json;
+  json["governed"] = found.governed;
+  json["budget_us"] = found.governed ? ordered_json(found.budget_us) : ordered_json(nullptr);
+  json["steps_over"] = found.stepsOver;
+  json["level"] = found.level;
+  json["levels"] = ordered_json::array();
+  for (std::size_t i = 0; i < found.secondsAt.size(); ++i) {
+    const GovernorLevel& level = scene.levels[i];
+    json["levels"].push_back({{"name", level.name},
+                              {"step_p99_us", level.stepP99_us},
+                              {"force_error_p95_N", level.forceErrorP95_N},
+                              {"depth_error_p95_mm", level.depthErrorP95_mm},
+                              {"seconds", found.secondsAt[i]}});
+  }
+  json["change_count"] = found.changeCount;
+  json["changes"] = ordered_json::array();
+  for (const LevelChange& change : found.changes) {
+    json["changes"].push_back({{"step", change.step},
+                               {"tick", change.tick},
+                               {"from", change.from},
+                               {"to", change.to},
+                               {"step_us", change.step_us}});
+  }
+  return json;
+}
+
 }  // namespace
 
 ordered_json runReportJson(const RunReport& report, const PreparedScene& scene) {
@@ -50,6 +80,7 @@ ordered_json runReportJson(const RunReport& report, const PreparedScene& scene) 
   json["real_time"] = report.realTimePriority;
   json["servo_cpu"] = report.servoCpu >= 0 ? ordered_json(report.servoCpu) : ordered_json(nullptr);
   json["state_hash"] = hashText(report.stateHash);
+  json["governor"] = governorJson(report, scene);
   json["setting"] = settingJson(scene.scene.setting);
   json["setting"]["instrument"] = scene.scene.instrument;
   json["setting"]["device"] = scene.scene.device;

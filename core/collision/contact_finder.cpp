@@ -270,6 +270,7 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
 }
 
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
+ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 ContactFinder::~ContactFinder() = default;
 
 QueryResult ContactFinder::find(const Eigen::Isometry3d& X_VT, std::span<Contact> out) noexcept {

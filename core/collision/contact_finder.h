@@ -92,6 +92,7 @@ class ContactFinder {
  public:
   ContactFinder(const VoxelTree& tree, const PointShell& shell, const QueryOptions& options = {});
   ContactFinder(ContactFinder&&) noexcept;
+  ContactFinder& operator=(ContactFinder&&) noexcept;  ///< Frees the memory that it had, if any.
   ~ContactFinder();
 
   /// Writes contacts by ascending shellIndex, p and n in V (metres), so that equal inputs replay

@@ -47,8 +47,10 @@ void removeDatabase(const std::filesystem::path& file) {
 
 class FileRecorder final : public Recorder {
  public:
-  FileRecorder(std::filesystem::path file, std::unique_ptr<SessionWriter> writer, bool waits)
+  FileRecorder(std::filesystem::path file, std::unique_ptr<SessionWriter> writer,
+               const std::vector<GovernorLevel>& levels, bool waits)
       : file_(std::move(file)), part_(partOf(file_)), waits_(waits), writer_(std::move(writer)) {
+    for (const GovernorLevel& level : levels) levelNames_.push_back(level.name);
     thread_ = std::thread([this] { work(); });
   }
   FileRecorder(const FileRecorder&) = delete;
@@ -83,6 +85,7 @@ class FileRecorder final : public Recorder {
   void stopThread();
 
   std::filesystem::path file_, part_;
+  std::vector<std::string> levelNames_;
   bool waits_;  ///< Virtual clock: there is no deadline, so waiting beats dropping.
   BoundedQueue<ServoSample> samples_{kQueueCapacity};
   BoundedQueue<StepRecord> steps_{kQueueCapacity};
@@ -119,6 +122,7 @@ void FileRecorder::drain() {
   while (commands_.tryPop(command)) writer_->command(command);
   ServoSample sample;
   while (samples_.tryPop(sample)) writer_->sample(sample);
+  writer_->levelEvents(levelNames_);
   if (drops() > 0 && !toldInexact_) {
     writer_->meta("exact", "0");
     toldInexact_ = true;
@@ -220,7 +224,8 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
   const int handle = ::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
   if (handle < 0) return fail(cannotWrite(file, errno));
   ::close(handle);
-  auto writer = SessionWriter::create(part, file);
+  auto writer = SessionWriter::create(part, file,
+                                      scene.levels.empty() ? kFormatWithoutLevels : kSessionFormat);
   if (!writer) {
     removeDatabase(part);
     return fail(writer.error());
@@ -232,8 +237,8 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
     removeDatabase(part);
     return fail(error);
   }
-  return std::unique_ptr<Recorder>(
-      std::make_unique<FileRecorder>(file, std::move(*writer), options.clock == Clock::Virtual));
+  return std::unique_ptr<Recorder>(std::make_unique<FileRecorder>(
+      file, std::move(*writer), scene.levels, options.clock == Clock::Virtual));
 }
 
 }  // namespace palpate

@@ -68,12 +68,17 @@ class Tape {
     return sample_;
   }
   /// Applies what was told before this step.
-  void applyCommands(std::uint64_t step, Simulation& simulation) {
+  void applyCommands(std::uint64_t step, Simulation& simulation,
+                     std::vector<RecordedLevel>& levels) {
     while (commandWaits_ && static_cast<std::uint64_t>(commands_.integer(0)) <= step) {
       Command command;
       command.kind = static_cast<Command::Kind>(commands_.integer(1));
       command.value = commands_.number(2);
       simulation.apply(command);
+      if (command.kind == Command::Kind::SetLevel && command.value >= 0.0 &&
+          command.value < static_cast<double>(kMostLevels)) {
+        levels.push_back({step, static_cast<std::size_t>(command.value)});
+      }
       commandWaits_ = commands_.step() == SQLITE_ROW;
     }
   }
@@ -185,7 +190,7 @@ Result<ReplayReport> replaySession(const std::filesystem::path& file,
       if (!header->finished) break;  // cut off between a sample and its step
       return fail(samplesMissing(file, (*recorded)->deviceSample));
     }
-    tape->applyCommands((*recorded)->step, simulation);
+    tape->applyCommands((*recorded)->step, simulation, report.levels);
     compare(**recorded, simulation.step((*sample)->device), report);
     if (snapshot) {
       show(simulation, **sample, *snapshot);

@@ -37,12 +37,19 @@ struct StepDifference {
   std::uint64_t expectedHash = 0, foundHash = 0;
 };
 
+/// A change of level as it was recorded.
+struct RecordedLevel {
+  std::uint64_t step = 0;  ///< The first at that level.
+  std::size_t level = 0;   ///< Of the recorded scene's levels.
+};
+
 struct ReplayReport {
   bool identical = false;
   std::uint64_t steps = 0;
   std::optional<StepDifference> firstDifference;
-  double forceErrorMax = 0;  ///< N, against the recording; when at another setting.
-  double depthErrorMax = 0;  ///< m
+  double forceErrorMax = 0;           ///< N, against the recording; when at another setting.
+  double depthErrorMax = 0;           ///< m
+  std::vector<RecordedLevel> levels;  ///< In their order.
 };
 
 /// Plays every step at full speed and compares the hash of each. `onSnapshot` (may be empty) is

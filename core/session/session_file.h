@@ -1,6 +1,8 @@
 #pragma once
-/// The layout of a session file, format 2, and how one is opened. Format 1 had no part "pairs" (how
+/// The layout of a session file, format 3, and how one is opened. Format 1 had no part "pairs" (how
 /// materials meet) and steps of one length, so its real-clock sessions open but may not replay.
+/// Format 2 had no part "levels" and no command of a level; sessions of scenes without levels are
+/// still written as format 2, so that older builds replay them.
 ///
 /// SQLite, application_id "PALP", user_version = format. Tables:
 ///   meta(key, value)          readable: program_version, device, seed, clock, fingerprint, exact,
@@ -9,7 +11,8 @@
 ///   samples(tick, data)       a ServoSample a servo tick (session_rows.h)
 ///   steps(step, sample, data) a StepRecord a step
 ///   commands(number, step, kind, value)  each before the step it acts on
-///   events(number, tick, kind, detail)   armed, disarmed, fault, contact-begin, contact-end
+///   events(number, tick, kind, detail)   armed, disarmed, fault, contact-begin, contact-end,
+///                             level
 
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +24,8 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kSessionFormat = 2;
+inline constexpr std::int64_t kSessionFormat = 3;
+inline constexpr std::int64_t kFormatWithoutLevels = 2;
 inline constexpr std::int64_t kSessionApplication = 0x50414C50;  // "PALP"
 
 /// For reading. Refuses what is no session, is damaged, or is of a later format.

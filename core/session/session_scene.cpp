@@ -144,6 +144,41 @@ bool unpackPairs(const std::vector<std::uint8_t>& bytes, std::vector<Material>& 
   return from.finished();
 }
 
+/// What the governor could step down to. Only of scenes with levels, from format 3 on.
+std::vector<std::uint8_t> packLevels(const std::vector<GovernorLevel>& levels) {
+  Packer to;
+  to.put(static_cast<std::uint64_t>(levels.size()));
+  for (const auto& level : levels) {
+    to.put(level.name);
+    to.put(level.perceptualBound);
+    to.put(level.contactBudget);
+    to.put(static_cast<std::int32_t>(level.stopLevel));
+    to.put(level.solverIterations);
+    to.put(level.stepP99_us);
+    to.put(level.forceErrorP95_N);
+    to.put(level.depthErrorP95_mm);
+  }
+  return to.bytes();
+}
+
+bool unpackLevels(const std::vector<std::uint8_t>& bytes, std::vector<GovernorLevel>& levels) {
+  Unpacker from(bytes);
+  levels.resize(from.count(48));
+  for (auto& level : levels) {
+    std::int32_t stopLevel = 0;
+    from.get(level.name);
+    from.get(level.perceptualBound);
+    from.get(level.contactBudget);
+    from.get(stopLevel);
+    from.get(level.solverIterations);
+    from.get(level.stepP99_us);
+    from.get(level.forceErrorP95_N);
+    from.get(level.depthErrorP95_mm);
+    level.stopLevel = stopLevel;
+  }
+  return from.finished();
+}
+
 std::vector<std::uint8_t> packInstrument(const Instrument& instrument) {
   Packer to;
   to.put(instrument.name);
@@ -212,14 +247,16 @@ SessionParts partsOf(const PreparedScene& scene) {
   put(exact, scene.X_WD);
   exact.put(scene.scene.setting.shellSpacing);
   exact.put(scene.scene.setting.stepPeriod);
-  return {{"scene", {text.begin(), text.end()}},
-          {"exact", exact.bytes()},
-          {"geometry", packGeometry(scene.labels->geometry)},
-          {"labels", packFeltLabels(scene, felt)},
-          {"label_table", packTable(scene, felt)},
-          {"materials", packMaterials(scene.materials)},
-          {"pairs", packPairs(scene)},
-          {"instrument", packInstrument(scene.instrument)}};
+  SessionParts parts{{"scene", {text.begin(), text.end()}},
+                     {"exact", exact.bytes()},
+                     {"geometry", packGeometry(scene.labels->geometry)},
+                     {"labels", packFeltLabels(scene, felt)},
+                     {"label_table", packTable(scene, felt)},
+                     {"materials", packMaterials(scene.materials)},
+                     {"pairs", packPairs(scene)},
+                     {"instrument", packInstrument(scene.instrument)}};
+  if (!scene.levels.empty()) parts["levels"] = packLevels(scene.levels);
+  return parts;
 }
 
 Result<Scene> sceneOf(const SessionParts& parts, const std::string& file) {
@@ -272,7 +309,16 @@ Result<std::shared_ptr<const PreparedScene>> prepareParts(const SessionParts& pa
   if (pairBytes != nullptr && !unpackPairs(*pairBytes, materials, instrument)) {
     return fail(damaged(file, "pairs"));
   }
-  return prepareScene(*scene, std::move(labels), table, materials, instrument, progress);
+  std::vector<GovernorLevel> levels;
+  const auto* levelBytes = find(parts, "levels");
+  if (levelBytes != nullptr && !unpackLevels(*levelBytes, levels)) {
+    return fail(damaged(file, "levels"));
+  }
+  auto prepared = prepareScene(*scene, std::move(labels), table, materials, instrument, progress);
+  if (!prepared || levels.empty()) return prepared;
+  auto governed = withLevels(**prepared, std::move(levels));
+  if (!governed) return fail(damaged(file, "levels"));
+  return governed;
 }
 
 }  // namespace palpate

@@ -28,19 +28,20 @@ bool giving(SafetyState state) {
 }  // namespace
 
 Result<std::unique_ptr<SessionWriter>> SessionWriter::create(const std::filesystem::path& file,
-                                                             const std::filesystem::path& shown) {
+                                                             const std::filesystem::path& shown,
+                                                             std::int64_t format) {
   int code = SQLITE_OK;
   auto database = Database::open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, code);
   if (!database) return fail(cannotWrite(shown, errno != 0 ? errno : EACCES));
   std::unique_ptr<SessionWriter> writer(new SessionWriter(std::move(*database), shown));
-  if (!writer->createTables()) return fail(*writer->error_);
+  if (!writer->createTables(format)) return fail(*writer->error_);
   return writer;
 }
 
-bool SessionWriter::createTables() {
+bool SessionWriter::createTables(std::int64_t format) {
   const std::string header =
       "PRAGMA application_id = " + std::to_string(kSessionApplication) +
-      "; PRAGMA user_version = " + std::to_string(kSessionFormat) +
+      "; PRAGMA user_version = " + std::to_string(format) +
       ";"
       // Write-ahead log, flushed at each commit: a power cut loses at most the open transaction.
       "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;";
@@ -56,6 +57,7 @@ bool SessionWriter::createTables() {
   prepare("INSERT INTO steps VALUES(?, ?, ?)", step_);
   prepare("INSERT INTO commands(step, kind, value) VALUES(?, ?, ?)", command_);
   prepare("INSERT INTO events(tick, kind, detail) VALUES(?, ?, ?)", event_);
+  prepare("SELECT sample FROM steps WHERE step = ?", sampleOf_);
   return !error_;
 }
 
@@ -118,6 +120,24 @@ void SessionWriter::command(const TimedCommand& timed) {
   command_->bind(2, static_cast<std::int64_t>(timed.command.kind));
   command_->bind(3, timed.command.value);
   check(command_->run());
+  if (timed.command.kind == Command::Kind::SetLevel) levels_.push_back(timed);
+}
+
+// A command is told before its step, which may come with the next lot.
+void SessionWriter::levelEvents(const std::vector<std::string>& names) {
+  if (error_) return;
+  std::erase_if(levels_, [&](const TimedCommand& timed) {
+    sampleOf_->bind(1, static_cast<std::int64_t>(timed.step));
+    const bool known = sampleOf_->step() == SQLITE_ROW;
+    const auto tick = known ? static_cast<std::uint64_t>(sampleOf_->integer(0)) : 0;
+    sampleOf_->reset();
+    if (!known) return false;
+    const double value = timed.command.value;
+    const bool named = value >= 0.0 && value < static_cast<double>(names.size());
+    const auto level = named ? static_cast<std::size_t>(value) : 0;
+    event(tick, "level", std::to_string(level) + (named ? " " + names[level] : std::string()));
+    return true;
+  });
 }
 
 void SessionWriter::event(std::uint64_t tick, const char* kind, const std::string& detail) {
@@ -136,7 +156,7 @@ void SessionWriter::commit() {
 }
 
 void SessionWriter::close() {
-  for (auto* statement : {&meta_, &part_, &sample_, &step_, &command_, &event_}) {
+  for (auto* statement : {&meta_, &part_, &sample_, &step_, &command_, &event_, &sampleOf_}) {
     statement->reset();
   }
   if (!error_) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/session/database.h"
 #include "core/session/session_rows.h"
@@ -26,13 +27,15 @@ class SessionWriter {
  public:
   /// Creates `file` anew. `shown` is the name that errors tell.
   [[nodiscard]] static Result<std::unique_ptr<SessionWriter>> create(
-      const std::filesystem::path& file, const std::filesystem::path& shown);
+      const std::filesystem::path& file, const std::filesystem::path& shown, std::int64_t format);
 
   void meta(const std::string& key, const std::string& value);
   void part(const std::string& name, const std::vector<std::uint8_t>& data);
   void sample(const ServoSample& sample);  ///< And the events that follow from it.
   void step(const StepRecord& step);
   void command(const TimedCommand& command);
+  /// Writes the events of levels whose first step is known by now. Names of the scene's levels.
+  void levelEvents(const std::vector<std::string>& names);
 
   void begin();
   /// On the disk when it returns.
@@ -44,16 +47,17 @@ class SessionWriter {
  private:
   SessionWriter(Database database, std::filesystem::path shown)
       : database_(std::move(database)), shown_(std::move(shown)) {}
-  [[nodiscard]] bool createTables();
+  [[nodiscard]] bool createTables(std::int64_t format);
   void check(int code);
   void event(std::uint64_t tick, const char* kind, const std::string& detail);
 
   Database database_;
   std::filesystem::path shown_;
   std::optional<Error> error_;
-  std::optional<Statement> meta_, part_, sample_, step_, command_, event_;
+  std::optional<Statement> meta_, part_, sample_, step_, command_, event_, sampleOf_;
   Packer packer_;
   ServoSample last_;
+  std::vector<TimedCommand> levels_;  ///< Told, and without an event so far.
 };
 
 }  // namespace palpate

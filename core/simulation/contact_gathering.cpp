@@ -37,6 +37,7 @@ ContactGathering::ContactGathering(std::shared_ptr<const PreparedScene> scene)
     // The tree's surface is half a voxel out of the shell's centres.
     sphere_[i].radius += scene_->bodies[i - 1U].tree->geometry().spacing.norm();
   }
+  planLevels();
   pairs_.reserve(1U + 2U * bodies + bodies * (bodies - std::min(bodies, std::uint16_t{1})) / 2U);
   add(0, kAnatomy);
   for (std::uint16_t i = 1; i <= bodies; ++i) add(0, i);
@@ -54,16 +55,47 @@ ContactGathering::ContactGathering(std::shared_ptr<const PreparedScene> scene)
   sets_.resize(pairs_.size());
 }
 
+void ContactGathering::planLevels() {
+  const SimulationSetting& own = scene_->scene.setting;
+  slots_.push_back(own.query);
+  for (const GovernorLevel& level : scene_->levels) {
+    const QueryOptions query = settingAt(own, level).query;
+    const auto same = [&query](const QueryOptions& slot) {
+      return slot.perceptualBound == query.perceptualBound &&
+             slot.contactBudget == query.contactBudget && slot.stopLevel == query.stopLevel;
+    };
+    const auto slot = std::find_if(slots_.begin(), slots_.end(), same);
+    slotOf_.push_back(static_cast<std::size_t>(slot - slots_.begin()));
+    if (slot == slots_.end()) slots_.push_back(query);
+  }
+}
+
+void ContactGathering::setLevel(std::size_t level) noexcept {
+  if (level >= slotOf_.size() || slotOf_[level] == inUse_) return;
+  for (Pair& pair : pairs_) {
+    // What is assigned to is empty: nothing is freed.
+    pair.others[inUse_] = std::move(pair.finder);
+    pair.finder = std::move(pair.others[slotOf_[level]]);
+  }
+  inUse_ = slotOf_[level];
+}
+
 void ContactGathering::add(std::uint16_t body, std::uint16_t other) {
   const PreparedScene& s = *scene_;
   const PointShell& shell = body == 0 ? *s.shell : *s.bodies[body - 1U].shell;
   const VoxelTree& tree = other == kAnatomy ? *s.tree : *s.bodies[other - 1U].tree;
   const Eigen::Isometry3d X_otherV = other == kAnatomy ? s.X_WV : tree.geometry().X_PV;
   const SurfaceTable& surface = body == 0 ? s.instrumentSurface : s.bodies[body - 1U].surface;
-  QueryOptions options = s.scene.setting.query;
-  if (body != 0 || other != kAnatomy) options.threads = 1;
+  std::vector<ContactFinder> finders;
+  finders.reserve(slots_.size());
+  for (QueryOptions options : slots_) {
+    if (body != 0 || other != kAnatomy) options.threads = 1;
+    finders.emplace_back(tree, shell, options);
+  }
+  ContactFinder own = std::move(finders.front());
+  if (finders.size() == 1) finders.clear();
   pairs_.push_back(
-      {body, other, ContactFinder(tree, shell, options), &surface, X_otherV, X_otherV.inverse()});
+      {body, other, std::move(own), std::move(finders), &surface, X_otherV, X_otherV.inverse()});
 }
 
 bool ContactGathering::near(const Pair& pair) const noexcept {

@@ -90,6 +90,20 @@ void addBodies(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
 
 }  // namespace
 
+PlanRow governorRow(const PreparedScene& prepared) {
+  const std::vector<GovernorLevel>& levels = prepared.levels;
+  if (levels.empty()) return {kGovernorRow, false, "no levels were measured for this scene", 0};
+  std::size_t points = prepared.shell->size();  // of all queries
+  std::size_t larger = 0;
+  points += prepared.bodies.size() * points;
+  for (const PreparedBody& body : prepared.bodies) points += body.shell->size() * (1 + larger++);
+  return {kGovernorRow, true,
+          std::to_string(levels.size()) + " levels, to " +
+              text("%.2f of a step's time", levels.back().stepP99_us / levels[0].stepP99_us) +
+              text(" and %.2f N (p95) off", levels.back().forceErrorP95_N),
+          (levels.size() - 1) * points * kQueryBytesAPoint};
+}
+
 std::vector<PlanRow> planOf(const PreparedScene& prepared,
                             const std::vector<std::uint8_t>& feltValues, double shellSpacing,
                             bool approachIsClear) {
@@ -107,6 +121,7 @@ std::vector<PlanRow> planOf(const PreparedScene& prepared,
                   "at most " + std::to_string(setting.contactCapacity) + " a step, " +
                       std::to_string(setting.solverIterations) + " impulses a step",
                   setting.contactCapacity * sizeof(Contact)});
+  plan.push_back(governorRow(prepared));
   plan.push_back({"friction", setting.friction,
                   setting.friction ? "Coulomb, by pairs of materials" : "switched off", 0});
   plan.push_back(

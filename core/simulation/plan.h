@@ -12,4 +12,8 @@ namespace palpate {
                                           const std::vector<std::uint8_t>& feltValues,
                                           double shellSpacing, bool approachIsClear);
 
+/// What the governor may step down to.
+[[nodiscard]] PlanRow governorRow(const PreparedScene& prepared);
+inline constexpr const char* kGovernorRow = "governor";
+
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/simulation/bounded_queue.h"
+#include "core/simulation/level_log.h"
 #include "core/simulation/loop_stats.h"
 #include "core/simulation/real_time.h"
 #include "core/simulation/simulation.h"
@@ -48,6 +49,7 @@ class LoopRunner final : public Runner {
         simulation_(scene_, recommendedGains(device_->info(), scene_->scene.setting.stepPeriod)),
         servo_(*device_, servoSettings(*scene_, device_->info(), simulation_.stepTicks())),
         commands_(kCommandCapacity) {
+    planLevels();
     ::sem_init(&ticked_, 0, 0);
     if (options_.latchEnabled) servo_.setEnabled(true);
   }
@@ -78,6 +80,9 @@ class LoopRunner final : public Runner {
  private:
   void tickOnce() noexcept;  ///< servo thread
   void stepOnce() noexcept;  ///< simulation thread
+  void planLevels();
+  void obey(const Command& command) noexcept;
+  void watchLevel(const StepRecord& record) noexcept;
   [[nodiscard]] bool tellSink(const StepRecord& record) noexcept;
   void publishSnapshot() noexcept;
   void servoThread() noexcept;
@@ -101,6 +106,9 @@ class LoopRunner final : public Runner {
   mutable std::mutex reportMutex_;  ///< Between callers of report(); the loops never take it.
   ServoStats servoStats_;
   StepStats stepStats_;
+  std::optional<Governor> governor_;  ///< Simulation thread.
+  std::optional<LevelLog> levelLog_;  ///< Where the scene has levels.
+  mutable LatestValue<LevelFigures> levelsForReport_;
   sem_t ticked_{};  ///< Posted after each tick of the real clock.
   std::atomic<bool> stopping_{false};
   std::thread servoThread_, stepThread_;
@@ -130,21 +138,61 @@ bool LoopRunner::tellSink(const StepRecord& record) noexcept {
   return options_.sink->onBodies(record.step, simulation_.bodies()) && taken;
 }
 
+bool isSet(const ModelledTime& time) noexcept {
+  return time.step_us > 0 || time.test_us > 0 || time.contact_us > 0 || time.impulse_us > 0;
+}
+
+/// What a step takes at the declared pace. One that lasted longer, since those before it were late,
+/// was done in more parts than it would have been: that is no load to step down for.
+double timeAtPace(const StepRecord& record, double period, const ModelledTime& modelled) noexcept {
+  const double took = isSet(modelled) ? modelled.step_us + modelled.test_us * record.tests +
+                                            modelled.contact_us * record.contacts +
+                                            modelled.impulse_us * record.impulses
+                                      : record.micros;
+  if (record.parts == 1) return took;
+  return took / record.parts * std::ceil(record.parts * std::min(1.0, period / record.h));
+}
+
+void LoopRunner::planLevels() {
+  if (scene_->levels.empty()) return;
+  if (options_.governed && (options_.clock == Clock::Real || isSet(options_.modelledTime))) {
+    governor_.emplace(scene_->levels, scene_->scene.setting.stepPeriod, options_.governor);
+  }
+  levelLog_.emplace(scene_->levels.size(), governor_ ? governor_->budget_us() : 0.0);
+}
+
+void LoopRunner::obey(const Command& command) noexcept {
+  const std::size_t before = simulation_.level();
+  simulation_.apply(command);
+  const std::uint64_t step = simulation_.record().step + 1;
+  if (options_.sink != nullptr && !options_.sink->onCommand(step, command)) stepStats_.dropped();
+  if (simulation_.level() == before) return;
+  if (governor_ && governor_->level() != simulation_.level()) {
+    governor_->moveTo(simulation_.level());
+  }
+  levelLog_->changed(step, servo_.deviceSamples().value().index, simulation_.level());
+}
+
+void LoopRunner::watchLevel(const StepRecord& record) noexcept {
+  const double took = timeAtPace(record, scene_->scene.setting.stepPeriod, options_.modelledTime);
+  levelLog_->step(record, took);
+  if (governor_) (void)governor_->after(took, record.h);
+}
+
 void LoopRunner::stepOnce() noexcept {
   Command command;
-  while (commands_.tryPop(command)) {
-    simulation_.apply(command);
-    if (options_.sink != nullptr &&
-        !options_.sink->onCommand(simulation_.record().step + 1, command)) {
-      stepStats_.dropped();
-    }
+  while (commands_.tryPop(command)) obey(command);
+  if (governor_ && governor_->level() != simulation_.level()) {
+    obey({Command::Kind::SetLevel, static_cast<double>(governor_->level())});
   }
   const StepRecord& record = simulation_.step(servo_.deviceSamples().value());
   servo_.publishTool(simulation_.tool());
   stepStats_.step(record);
+  if (levelLog_) watchLevel(record);
   if (options_.sink != nullptr && !tellSink(record)) stepStats_.dropped();
   if (stepStats_.windowEnded(kTicksPerSecond / simulation_.stepTicks())) {
     stepForReport_.publish(stepStats_.figures());
+    if (levelLog_) levelsForReport_.publish(levelLog_->figures());
   }
   const std::uint64_t every = std::max<std::uint64_t>(1, kSnapshotTicks / simulation_.stepTicks());
   if (record.step % every == 0) publishSnapshot();
@@ -308,9 +356,12 @@ RunReport LoopRunner::report() const {
     const std::lock_guard<std::mutex> lock(reportMutex_);
     servoForReport_.refresh();
     stepForReport_.refresh();
+    levelsForReport_.refresh();
     report = reportOf(options_, servoForReport_.value(), stepForReport_.value());
+    if (levelLog_) report.governor = reportOf(levelsForReport_.value());
   } else {
     report = reportOf(options_, servoStats_.figures(), stepStats_.figures());
+    if (levelLog_) report.governor = reportOf(levelLog_->figures());
   }
   report.realTimePriority = realTime_;
   report.realTimeNote = realTimeNote_;

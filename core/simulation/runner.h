@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/latest_value.h"
@@ -18,6 +20,7 @@
 #include "core/dynamics/loose_body.h"
 #include "core/haptics/device.h"
 #include "core/haptics/servo_loop.h"
+#include "core/simulation/governor.h"
 #include "core/simulation/histogram.h"
 #include "core/simulation/prepared_scene.h"
 #include "core/simulation/snapshot.h"
@@ -25,6 +28,25 @@
 namespace palpate {
 
 enum class Clock : std::uint8_t { Virtual, Real };
+
+/// A change of level, the governor's or another's.
+struct LevelChange {
+  std::uint64_t step = 0, tick = 0;  ///< The first step at the new level, and its sample.
+  std::uint32_t from = 0, to = 0;
+  double step_us = 0.0;  ///< What the step before had taken.
+};
+
+/// How a run stepped on the scene's levels.
+struct GovernorReport {
+  bool governed = false;             ///< Else only commands change the level.
+  double budget_us = 0.0;            ///< What a step may take; 0: not governed.
+  std::uint64_t stepsOver = 0;       ///< That took longer.
+  std::size_t level = 0;             ///< Last
+  std::uint64_t changeCount = 0;     ///< All of them.
+  std::vector<LevelChange> changes;  ///< The last kChangesKept of them.
+  std::vector<double> secondsAt;     ///< Simulated, by level.
+};
+inline constexpr std::size_t kChangesKept = 64;
 
 /// What a run measured; the fields of `simulate --json`.
 struct RunReport {
@@ -41,8 +63,9 @@ struct RunReport {
   std::uint64_t recorderDrops = 0;
   std::uint64_t stateHash = 0;  ///< Of every step's state, chained.
   bool realTimePriority = false;
-  std::string realTimeNote;  ///< Why not, and how to allow it.
-  int servoCpu = -1;         ///< The processor that the servo was bound to; -1: none.
+  std::string realTimeNote;                ///< Why not, and how to allow it.
+  int servoCpu = -1;                       ///< The processor that the servo was bound to; -1: none.
+  std::optional<GovernorReport> governor;  ///< Where the scene has levels.
 };
 
 /// Applied between steps, in order (design: ui -> simulation).
@@ -51,7 +74,8 @@ struct Command {
     ResetTool,            ///< To rest where the device is.
     SetSolverIterations,  ///< `value` impulses a step, 1 to 100000.
     SetFriction,          ///< `value` 0: off; else on.
-    SetCoupling           ///< `value` of the recommended stiffness, 0.1 to 1 (measured stable).
+    SetCoupling,          ///< `value` of the recommended stiffness, 0.1 to 1 (measured stable).
+    SetLevel              ///< `value` of the scene's levels, 0 the finest; the governor's.
   } kind = Kind::ResetTool;
   double value = 0.0;
 };
@@ -76,6 +100,7 @@ struct StepRecord {
   std::uint32_t contactsBetweenBodies = 0;
   std::uint32_t tests = 0;     ///< Sphere and leaf tests of all queries.
   std::uint32_t impulses = 0;  ///< Of the response.
+  std::uint32_t level = 0;     ///< Of the scene's levels.
 };
 static_assert(std::is_trivially_copyable_v<StepRecord>);
 
@@ -96,6 +121,11 @@ class RunSink {
   }
 };
 
+/// Time of a step from counted work, the same on every machine. All zero: none.
+struct ModelledTime {
+  double step_us = 0, test_us = 0, contact_us = 0, impulse_us = 0;
+};
+
 struct RunOptions {
   Clock clock = Clock::Virtual;
   std::uint64_t seed = 1;
@@ -104,6 +134,11 @@ struct RunOptions {
   int servoCpu = -1;
   bool latchEnabled = false;  ///< Hold-to-enable is a latch. Simulated devices only.
   RunSink* sink = nullptr;    ///< Outlives the run.
+  /// Where the scene has levels, the governor chooses among them: on the real clock by measured
+  /// times, on the virtual clock only by modelled ones, so that equal inputs give equal bits.
+  bool governed = true;
+  GovernorSettings governor;
+  ModelledTime modelledTime;  ///< In place of measured times; for tests.
 };
 
 class Runner {

@@ -92,6 +92,7 @@ Simulation::Simulation(std::shared_ptr<const PreparedScene> scene, const Couplin
       pace_(stepTicks_),
       userShare_(scene_->scene.setting.couplingShare),
       share_(userShare_),
+      userIterations_(scene_->scene.setting.solverIterations),
       response_(responseOf(scene_->scene.setting)),
       body_(scene_->instrument.massProperties, toolSettings(*scene_, softened(gains, share_))),
       bodies_(looseBodies(*scene_)),
@@ -109,8 +110,9 @@ void Simulation::apply(const Command& command) noexcept {
       break;
     case Command::Kind::SetSolverIterations:
       // A value that is not a number fails both comparisons and becomes the least.
-      response_.iterations = static_cast<std::uint32_t>(
+      userIterations_ = static_cast<std::uint32_t>(
           command.value >= 1.0 ? std::min(command.value, 100000.0) : 1.0);
+      limitIterations();
       break;
     case Command::Kind::SetFriction:
       response_.friction = command.value != 0.0;
@@ -118,8 +120,34 @@ void Simulation::apply(const Command& command) noexcept {
     case Command::Kind::SetCoupling:
       userShare_ = command.value >= kLeastShare ? std::min(command.value, 1.0) : kLeastShare;
       break;
+    case Command::Kind::SetLevel:
+      setLevel(command.value);
+      break;
   }
   ++record_.commandCount;
+}
+
+void Simulation::setLevel(double value) noexcept {
+  if (scene_->levels.empty()) return;
+  const auto last = static_cast<double>(scene_->levels.size() - 1);
+  // A value that is not a number is the finest.
+  const auto level = static_cast<std::size_t>(value >= 0.0 ? std::min(value, last) : 0.0);
+  if (level == level_) return;
+  level_ = level;
+  ++levelChanges_;
+  levelSince_ = sample_.t + declared_;
+  gathering_.setLevel(level_);
+  limitIterations();
+}
+
+/// As the user wants; a level that is about impulses has its own, and no more than the user wants.
+void Simulation::limitIterations() noexcept {
+  const std::uint32_t own = scene_->scene.setting.solverIterations;
+  const std::uint32_t ofLevel =
+      scene_->levels.empty() ? own : scene_->levels[level_].solverIterations;
+  response_.iterations = ofLevel == own           ? userIterations_
+                         : userIterations_ == own ? ofLevel
+                                                  : std::min(userIterations_, ofLevel);
 }
 
 /// How long this step is: from the last sample to this one. Only numbers of samples decide, so that
@@ -216,6 +244,7 @@ const StepRecord& Simulation::step(const DeviceSample& sample_W) noexcept {
 
 void Simulation::publish(const DeviceSample& sample_W) noexcept {
   record_.h = h_;
+  record_.level = static_cast<std::uint32_t>(level_);
   record_.stiffness = coupling().stiffness;
   record_.tool = body_.pose();
   copy(body_.originVelocity(), record_.v);
@@ -276,7 +305,20 @@ void Simulation::fill(Snapshot& snapshot) noexcept {
   const std::size_t bodies = std::min(bodies_.size(), Snapshot::kBodiesDrawn);
   snapshot.bodies = static_cast<std::uint32_t>(bodies);
   for (std::size_t i = 0; i < bodies; ++i) snapshot.body[i] = bodies_[i].pose();
+  fillLevel(snapshot);
   fillContacts(snapshot);
+}
+
+void Simulation::fillLevel(Snapshot& snapshot) noexcept {
+  snapshot.levels = static_cast<std::uint32_t>(scene_->levels.size());
+  snapshot.level = static_cast<std::uint32_t>(level_);
+  snapshot.levelChanges = levelChanges_;
+  snapshot.levelSince = levelSince_;
+  snapshot.levelName.fill(0);
+  if (scene_->levels.empty()) return;
+  const std::string& name = scene_->levels[level_].name;
+  std::copy_n(name.begin(), std::min(name.size(), snapshot.levelName.size() - 1),
+              snapshot.levelName.begin());
 }
 
 /// All, or the deepest where they are many.

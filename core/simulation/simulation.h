@@ -51,6 +51,8 @@ class Simulation {
   /// Fills what the simulation knows: step, time, poses, contacts (the deepest, where they are
   /// many). Real-time safe.
   void fill(Snapshot& snapshot) noexcept;
+  /// Of the scene's levels; 0 where it has none.
+  [[nodiscard]] std::size_t level() const noexcept { return level_; }
   [[nodiscard]] std::uint32_t stepTicks() const noexcept { return stepTicks_; }
   /// The buffers a step touches most, to be locked in memory.
   [[nodiscard]] std::span<const Contact> contactMemory() const noexcept {
@@ -62,10 +64,13 @@ class Simulation {
   [[nodiscard]] std::uint32_t partsFor(const DeviceSample& sample_W) const noexcept;
   void stepPart(const ToolTarget& target, double dt) noexcept;
   void softenCoupling() noexcept;
+  void setLevel(double value) noexcept;
+  void limitIterations() noexcept;
   void findContacts() noexcept;
   void resolveContacts(double dt) noexcept;
   void publish(const DeviceSample& sample_W) noexcept;
   void chainHash() noexcept;
+  void fillLevel(Snapshot& snapshot) noexcept;
   void fillContacts(Snapshot& snapshot) noexcept;
 
   std::shared_ptr<const PreparedScene> scene_;
@@ -75,6 +80,10 @@ class Simulation {
   std::uint32_t stepTicks_;
   double pace_;               ///< Servo ticks a step takes lately; rises at once, falls slowly.
   double userShare_, share_;  ///< Of the coupling's stiffness: wanted, and in force.
+  std::size_t level_ = 0;
+  std::uint64_t levelChanges_ = 0;
+  double levelSince_ = 0.0;  ///< s, simulated
+  std::uint32_t userIterations_;
   ResponseSettings response_;
   ToolBody body_;
   std::vector<LooseBody> bodies_;

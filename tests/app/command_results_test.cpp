@@ -158,6 +158,7 @@ TEST_F(OnABall, SimulateTouchesTheBall) {
                      "penetration_max_mm",
                      "hand_energy_J",
                      "hand_energy_min_J",
+                     "governor",
                      "recorder_drops",
                      "step_histogram",
                      "tick_histogram",
@@ -265,7 +266,7 @@ TEST_F(OnABall, ASceneFileIsAsGoodAsItsCase) {
 TEST_F(OnABall, ReplayIsIdentical) {
   const json run = result({"simulate", at("case"), "--seconds", "3", "--record", at("a.palpate")});
   const json found = result({"replay", at("a.palpate")});
-  expectKeys(found, {"identical", "steps", "first_difference"});
+  expectKeys(found, {"identical", "steps", "first_difference", "level_changes"});
   EXPECT_EQ(found["identical"], true);
   EXPECT_EQ(found["steps"], run["steps"]);
   EXPECT_TRUE(found["first_difference"].is_null());

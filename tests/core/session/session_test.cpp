@@ -127,6 +127,87 @@ TEST_F(Session, LooseBodiesReplayToTheBit) {
   EXPECT_EQ(bodies, 2U);
 }
 
+std::vector<std::pair<std::uint64_t, std::string>> levelEvents(const fs::path& file) {
+  std::vector<std::pair<std::uint64_t, std::string>> events;
+  sqlite3* database = nullptr;
+  EXPECT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  sqlite3_stmt* rows = nullptr;
+  sqlite3_prepare_v2(database, "SELECT tick, detail FROM events WHERE kind = 'level'", -1, &rows,
+                     nullptr);
+  while (sqlite3_step(rows) == SQLITE_ROW) {
+    events.emplace_back(static_cast<std::uint64_t>(sqlite3_column_int64(rows, 0)),
+                        reinterpret_cast<const char*>(sqlite3_column_text(rows, 1)));
+  }
+  sqlite3_finalize(rows);
+  sqlite3_close(database);
+  return events;
+}
+
+TEST_F(Session, ChangesOfLevelAreRecordedAsEventsAndReplayToTheBitOnEitherClock) {
+  const auto ungoverned = prepared(ball());
+  std::vector<GovernorLevel> levels(3);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    levels[i].name = "bound " + std::to_string(i) + " mm";
+    levels[i].perceptualBound = 1e-3 * static_cast<double>(i);
+    levels[i].stepP99_us = 100.0 / static_cast<double>(i + 1);
+    levels[i].forceErrorP95_N = 0.1 * static_cast<double>(i);
+  }
+  const auto scene = withLevels(*ungoverned, levels);
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  for (const Clock clock : {Clock::Virtual, Clock::Real}) {
+    RunOptions options;
+    options.clock = clock;
+    options.seed = 5;
+    options.modelledTime = {10.0, 0.2, 20.0, 0.0};  // contact is far too much for any level
+    options.governor.headroom = 0.1;
+    const fs::path session = folder / (clock == Clock::Real ? "real.palpate" : "virtual.palpate");
+    const Recorded recorded = record(session, *scene, options, 5.0);
+    ASSERT_TRUE(recorded.report.governor);
+    const GovernorReport& governor = *recorded.report.governor;
+    EXPECT_GE(governor.changeCount, 1u);
+    const auto again = prepareSession(session);
+    ASSERT_TRUE(again) << sentence(again.error());
+    ASSERT_EQ((*again)->levels.size(), 3u);
+    EXPECT_EQ((*again)->levels[2].name, "bound 2 mm");
+    EXPECT_EQ((*again)->levels[2].perceptualBound, 2e-3);
+    EXPECT_EQ((*again)->levels[2].forceErrorP95_N, 0.2);
+    std::uint64_t changes = 0;
+    const auto report =
+        replaySession(session, *again, {}, [&](const Snapshot& s) { changes = s.levelChanges; });
+    ASSERT_TRUE(report) << sentence(report.error());
+    EXPECT_TRUE(report->identical);
+    EXPECT_EQ(changes, governor.changeCount);
+    const auto events = levelEvents(session);
+    ASSERT_EQ(report->levels.size(), governor.changeCount);
+    ASSERT_EQ(events.size(), governor.changeCount);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      EXPECT_EQ(report->levels[i].step, governor.changes[i].step);
+      EXPECT_EQ(report->levels[i].level, governor.changes[i].to);
+      EXPECT_EQ(events[i].first, governor.changes[i].tick);
+      EXPECT_EQ(events[i].second,
+                std::to_string(governor.changes[i].to) + " " + levels[governor.changes[i].to].name);
+    }
+    // Without its levels the same session is another run: the commands were what made it.
+    const auto forgetful = replaySession(session, ungoverned);
+    ASSERT_TRUE(forgetful);
+    EXPECT_FALSE(forgetful->identical);
+    sql(session, "UPDATE parts SET data = x'00' WHERE name = 'levels'");
+    EXPECT_EQ(refusal(session), "The session file is damaged.|levels|");
+  }
+}
+
+TEST_F(Session, WithoutLevelsTheFormatIsThatOfOlderBuilds) {
+  record(file, prepared(ball()), {}, 0.1);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  sqlite3_stmt* row = nullptr;
+  sqlite3_prepare_v2(database, "PRAGMA user_version", -1, &row, nullptr);
+  ASSERT_EQ(sqlite3_step(row), SQLITE_ROW);
+  EXPECT_EQ(sqlite3_column_int(row, 0), 2);
+  sqlite3_finalize(row);
+  sqlite3_close(database);
+}
+
 TEST_F(Session, HeaderTellsWhatWasRecorded) {
   Scene asked;
   asked.name = "Mr Example, born 1950";
@@ -470,8 +551,8 @@ TEST_F(Session, WhatIsNoSessionIsRefusedByName) {
 
 TEST_F(Session, LaterFormatsAreRefusedByNumber) {
   record(file, prepared(ball()), {}, 0.1);
-  sql(file, "PRAGMA user_version = 3");
-  EXPECT_EQ(refusal(file), "The session was recorded by a later version of this program.|format|3");
+  sql(file, "PRAGMA user_version = 4");
+  EXPECT_EQ(refusal(file), "The session was recorded by a later version of this program.|format|4");
 }
 
 TEST_F(Session, DamagedFilesAreRefusedByWhatIsDamaged) {

@@ -163,6 +163,43 @@ TEST(RealTimeGuard, TenThousandStepsPressedDeepNeitherAllocateNorLock) {
   }
 }
 
+TEST(RealTimeGuard, AGovernorAndEveryChangeOfLevelNeitherAllocateNorLock) {
+  const auto grid = basin({{-3, -3, 0}, {-2, -4, 8}}, 6);
+  const auto plainScene = prepare(sceneWithFragments(Eigen::Vector3d(0, 0, -9.81)), grid);
+  ASSERT_TRUE(plainScene) << sentence(plainScene.error());
+  std::vector<GovernorLevel> levels(4);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    levels[i].name =
+        "a level whose name is longer than any small string holds " + std::to_string(i);
+    levels[i].stepP99_us = 100.0 / static_cast<double>(i + 1);
+  }
+  levels[1].perceptualBound = 1e-3;
+  levels[2].contactBudget = 5;
+  levels[3].stopLevel = 1;
+  const auto scene = withLevels(**plainScene, levels);
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  NoSink sink;
+  RunOptions options;
+  options.sink = &sink;
+  options.modelledTime.step_us = 900.0;  // over the budget at any level: down to the coarsest
+  auto runner = makeRunner(*scene, options);
+  const Progress progress;
+  Result<void> ran;
+  {
+    const Watch watch;
+    ran = runner->runVirtual(0.1, progress);
+    for (int i = 0; ran && i < 400; ++i) {
+      (void)runner->send({Command::Kind::SetLevel, static_cast<double>(i % 4)});
+      ran = runner->runVirtual(0.01, progress);
+    }
+  }
+  ASSERT_TRUE(ran);
+  EXPECT_EQ(allocations, 0);
+  EXPECT_EQ(locks, 0);
+  EXPECT_GT(runner->report().governor->changeCount, 400u);
+  EXPECT_TRUE(runner->report().governor->governed);
+}
+
 TEST(RealTimeGuard, LooseBodiesInAHeapAndStepsOfEveryLengthNeitherAllocateNorLock) {
   const auto grid = basin({{-3, -3, 0}, {-2, -4, 8}, {-5, -2, 16}}, 6);
   const Eigen::Vector3d down = grid->geometry.X_PV.linear() * Eigen::Vector3d(0, 0, -9.81);
