@@ -1,6 +1,7 @@
 #pragma once
-/// The layout of a session file, format 2, and how one is opened. Format 1 had no part "pairs" (how
-/// materials meet) and steps of one length, so its real-clock sessions open but may not replay.
+/// The layout of a session file, format 3, and how one is opened. Format 2 had no region and left
+/// nothing out of the anatomy. Format 1 had no part "pairs" (how materials meet) and steps of one
+/// length, so its real-clock sessions open but may not replay.
 ///
 /// SQLite, application_id "PALP", user_version = format. Tables:
 ///   meta(key, value)          readable: program_version, device, seed, clock, fingerprint, exact,
@@ -21,7 +22,7 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kSessionFormat = 2;
+inline constexpr std::int64_t kSessionFormat = 3;
 inline constexpr std::int64_t kSessionApplication = 0x50414C50;  // "PALP"
 
 /// For reading. Refuses what is no session, is damaged, or is of a later format.
