@@ -17,6 +17,7 @@
 #include "core/geometry/units.h"
 #include "core/session/recorder.h"
 #include "core/session/replay.h"
+#include "core/simulation/plan_cost.h"
 
 namespace palpate {
 namespace {
@@ -209,11 +210,15 @@ std::string reportText(const RunReport& report) {
 
 void explainPlan(const std::vector<PlanRow>& plan, CommandOutput& output) {
   output.json["plan"] = ordered_json::array();
-  TextTable table({"what", "modelled", "memory", "why"});
+  TextTable table({"what", "modelled", "µs a step", "memory", "why"});
   for (const PlanRow& row : plan) {
-    output.json["plan"].push_back(
-        {{"what", row.what}, {"modelled", row.modelled}, {"why", row.why}, {"bytes", row.bytes}});
-    table.add({row.what, row.modelled ? "yes" : "no", byteSize(row.bytes), row.why});
+    output.json["plan"].push_back({{"what", row.what},
+                                   {"modelled", row.modelled},
+                                   {"why", row.why},
+                                   {"us", row.us ? ordered_json(*row.us) : ordered_json()},
+                                   {"bytes", row.bytes}});
+    table.add({row.what, row.modelled ? "yes" : "no", row.us ? decimal(*row.us, 2) : "",
+               row.bytes > 0 ? byteSize(row.bytes) : "", row.why});
   }
   output.text = table.text() + "\n" + output.text;
 }
@@ -318,7 +323,11 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   CommandOutput output;
   output.json = runReportJson(report, **scene);
   output.text = reportText(report);
-  if (options.explain) explainPlan((*scene)->plan, output);
+  if (options.explain) {
+    const auto plan = measuredPlan(*scene, WholeTree::Build, context.progress);
+    if (!plan) return fail(plan.error());
+    explainPlan(*plan, output);
+  }
   output.warnings = warningsOf(report, tables.dropped());
   return output;
 }

@@ -4,6 +4,7 @@
 
 #include "app/desktop_loop.h"
 #include "app/scene_loading.h"
+#include "core/simulation/plan_cost.h"
 #include "imaging/surface.h"
 
 namespace palpate {
@@ -79,6 +80,7 @@ void Desktop::prepare() {
   }
   ownSetting_ = scene->setting;
   if (!sceneInstrument_.empty()) scene->instrument = sceneInstrument_;
+  knowWorkspace(*scene);
   const auto named = std::find_if(instruments_.begin(), instruments_.end(),
                                   [&](const auto& i) { return i.name == scene->instrument; });
   const Instrument instrument = named == instruments_.end() ? instruments_.front() : *named;
@@ -101,7 +103,10 @@ void Desktop::prepare() {
         prepareScene(scene, labels->grid, labels->table, materials, instrument, progress, folder);
     auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
     if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
-    return [this, prepared, labels, bodies] {
+    // Steps alone: the tree of what is left out is not worth its time here.
+    auto plan = prepared ? measuredPlan(*prepared, WholeTree::Skip, progress)
+                         : Result<std::vector<PlanRow>>(std::vector<PlanRow>{});
+    return [this, prepared, labels, bodies, plan] {
       if (!open_ || open_->labels != labels) return;
       workspace_->showBodies(*bodies);
       if (!prepared) {
@@ -109,6 +114,7 @@ void Desktop::prepare() {
         if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
         return;
       }
+      if (plan) model_.simulate.plan = *plan;
       takeScene(*prepared);
       considerTrade(*prepared);
       if (startAfterPrepare_) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/devices/arm_model.h"
+#include "core/geometry/units.h"
 #include "imaging/case_folder.h"
 
 namespace palpate {
@@ -70,6 +72,19 @@ Scene defaultScene() {
   return scene;
 }
 
+void knowWorkspace(Scene& scene) {
+  if (scene.reach != Reach::Device || scene.workspace) return;
+  for (const ArmParameters& arm : armModels()) {
+    if (arm.info.model != scene.device) continue;
+    scene.workspace.emplace();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      scene.workspace->least_mm[axis] = millimetres(arm.info.workspaceMin[a]);
+      scene.workspace->most_mm[axis] = millimetres(arm.info.workspaceMax[a]);
+    }
+  }
+}
+
 Result<Scene> loadSceneFile(const fs::path& caseOrScene) {
   const Result<Place> place = placeOf(caseOrScene);
   if (!place) return fail(place.error());
@@ -86,6 +101,8 @@ Result<std::shared_ptr<const PreparedScene>> loadScene(const fs::path& caseOrSce
   if (!scene) return fail(scene.error());
   if (overrides.instrument) scene->instrument = *overrides.instrument;
   if (overrides.device) scene->device = *overrides.device;
+
+  knowWorkspace(*scene);
 
   const Result<Instrument> instrument = instrumentNamed(scene->instrument, datasets);
   if (!instrument) return fail(instrument.error());

@@ -21,6 +21,9 @@ struct SceneOverrides {
 /// What `import` writes into a new case: all labels, the ball burr, a simulated Touch X.
 [[nodiscard]] Scene defaultScene();
 
+/// Where a scene asks for reach = "device" and names no workspace: that of its device's model.
+void knowWorkspace(Scene& scene);
+
 /// CASE (a folder) or SCENE (a scene.toml inside a case). A case without scene.toml gets the
 /// default scene. Refuses a path that is neither, a case without labels, an unknown instrument
 /// (with the list).

@@ -179,6 +179,7 @@ struct SimulateModel {
   int couplingPercent = 100;  ///< Of the recommended stiffness, as the user wants it.
   int loose = 0;              ///< Loose bodies of the scene.
   std::string tree, shell;    ///< "4 levels, 123 456 surface voxels", "1 204 points, 0.5 mm"
+  std::vector<PlanRow> plan;  ///< What is modelled, what is not, and what it costs.
   SimulationSetting setting;
   TradeModel trade;
   bool realTime = false;

@@ -170,6 +170,32 @@ void drawNumbers(const Painter& paint, const SimulateModel& simulate, const Snap
   if (!simulate.realTimeNote.empty() && !simulate.realTime) sentence(paint, simulate.realTimeNote);
 }
 
+/// What the scene models, and what it leaves out, each with its cost and, pointed at, the reason.
+void drawPlan(const Painter& paint, const SimulateModel& simulate) {
+  if (!simulate.ready || simulate.plan.empty()) return;
+  for (const bool modelled : {true, false}) {
+    section(paint, modelled ? "MODELLED" : "LEFT OUT");
+    for (const PlanRow& row : simulate.plan) {
+      if (row.modelled != modelled) continue;
+      std::string cost;
+      char text[48];
+      if (row.us) {
+        std::snprintf(text, sizeof text, "%.1f \xc2\xb5s", *row.us);
+        cost = text;
+      }
+      if (row.bytes > 0) {
+        std::snprintf(text, sizeof text, "%s%.2f MiB", row.us ? ", " : "",
+                      static_cast<double>(row.bytes) / (1024.0 * 1024.0));
+        cost += text;
+      }
+      ImGui::BeginGroup();
+      keyValue(paint, row.what, cost);
+      ImGui::EndGroup();
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.why.c_str());
+    }
+  }
+}
+
 }  // namespace
 
 void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHolds) {
@@ -214,6 +240,7 @@ void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHold
   drawInstruments(paint, simulate);
   drawDevice(paint, simulate);
   drawNumbers(paint, simulate, model.snapshot, model.job.active);
+  drawPlan(paint, simulate);
 }
 
 }  // namespace palpate::ui

@@ -12,12 +12,16 @@ constexpr double kPolishFactor = 10.0;
 constexpr double kOpposed = -0.5;    // cosine of normals: 120 degrees apart and more
 constexpr double kSingular = 1e-10;  // below: walls so parallel that no pair of impulses helps
 
+/// @tparam kFriction  some contact may have friction; else nothing asks for it.
+/// @tparam kAlone     one body among what does not move.
+template <bool kFriction, bool kAlone>
 class Impulses {
  public:
   explicit Impulses(Island& island) noexcept
       : island_(island),
         settings_(*island.settings),
-        most_(settings_.iterations * static_cast<std::uint32_t>(island.bodyCount)) {}
+        most_(settings_.iterations * static_cast<std::uint32_t>(island.bodyCount)),
+        twist_(island.twist(island.active[0].body)) {}
 
   void run() noexcept {
     const double tolerance = settings_.tolerance;
@@ -28,7 +32,7 @@ class Impulses {
       bool acted = false;
       for (std::size_t k = 0; k < island_.count; ++k) {
         ActiveContact& a = island_.active[island_.order[k]];
-        const Eigen::Vector3d u = island_.velocityAt(a);
+        const Eigen::Vector3d u = velocityAt(a);
         const double un = a.n.dot(u);
         if (un < -a.inward - tolerance) {
           if (island_.effort.iterations >= most_) {
@@ -71,7 +75,7 @@ class Impulses {
     const Eigen::Vector3d j = a.impulse + dj;
     const double jn = a.n.dot(j);
     if (jn < 0.0) return false;
-    if ((j - jn * a.n).norm() > a.friction * jn) return false;
+    if ((j - jn * a.n).norm() > friction(a) * jn) return false;
     if (u.dot(dj) + 0.5 * dj.dot(a.K * dj) > 0.0) return false;
     apply(a, dj);
     return true;
@@ -80,12 +84,12 @@ class Impulses {
   /// Friction against the sliding, the total within the cone. A projected gradient step of 1/L:
   /// the energy cannot rise.
   void slide(ActiveContact& a) noexcept {
-    if (a.friction <= 0.0) return;
-    const Eigen::Vector3d u = island_.velocityAt(a);
+    if (friction(a) <= 0.0) return;
+    const Eigen::Vector3d u = velocityAt(a);
     const Eigen::Vector3d tangent = u - a.n.dot(u) * a.n;
     const Eigen::Vector3d before = a.impulse - a.normalImpulse * a.n;
     Eigen::Vector3d after = before - tangent / a.Ktangent;
-    const double limit = a.friction * a.normalImpulse;
+    const double limit = friction(a) * a.normalImpulse;
     const double length = after.norm();
     if (length > limit) after *= limit / length;
     apply(a, after - before);
@@ -102,7 +106,7 @@ class Impulses {
     const double cross = a.n.dot(atA);
     const double det = a.Kn * b->Kn - cross * cross;
     if (!(det > kSingular * a.Kn * b->Kn)) return false;
-    const Eigen::Vector3d ub = island_.velocityAt(*b);
+    const Eigen::Vector3d ub = velocityAt(*b);
     const double wantA = after - a.n.dot(u), wantB = -b->inward - b->n.dot(ub);
     const double ja = (b->Kn * wantA - cross * wantB) / det;
     const double jb = (a.Kn * wantB - cross * wantA) / det;
@@ -133,7 +137,7 @@ class Impulses {
     const bool both = e <= 0.0 && wedgeOut(a, u, after);
     before_ = &a;
     if (both) return;
-    if (a.friction > 0.0 && stick(a, u, after)) return;
+    if (friction(a) > 0.0 && stick(a, u, after)) return;
     apply(a, ((after - un) / a.Kn) * a.n);
     slide(a);
   }
@@ -147,12 +151,12 @@ class Impulses {
   /// energy: first to rest in one go, then along the normal with the friction cut to its new cone,
   /// then down to what that friction needs. False: nothing can go.
   bool takeBack(ActiveContact& a) noexcept {
-    const Eigen::Vector3d u = island_.velocityAt(a);
+    const Eigen::Vector3d u = velocityAt(a);
     const double un = a.n.dot(u);
-    if (a.friction > 0.0 && stick(a, u, -a.inward)) return true;
+    if (friction(a) > 0.0 && stick(a, u, -a.inward)) return true;
     const Eigen::Vector3d tangent = a.impulse - a.normalImpulse * a.n;
     const double jn = a.normalImpulse - needless(a, un) / a.Kn;
-    const double length = tangent.norm(), limit = a.friction * jn;
+    const double length = tangent.norm(), limit = friction(a) * jn;
     const Eigen::Vector3d cut =
         length > limit ? Eigen::Vector3d(tangent * (limit / length)) : tangent;
     const Eigen::Vector3d dj = jn * a.n + cut - a.impulse;
@@ -160,7 +164,7 @@ class Impulses {
       apply(a, dj);
       return true;
     }
-    const double held = std::max(jn, a.friction > 0.0 ? length / a.friction : 0.0);
+    const double held = std::max(jn, friction(a) > 0.0 ? length / friction(a) : 0.0);
     if (a.normalImpulse - held <= 1e-9 * a.normalImpulse) return false;
     apply(a, (held - a.normalImpulse) * a.n);
     return true;
@@ -179,8 +183,8 @@ class Impulses {
         slides = false;
       }
     }
-    if (a.friction > 0.0) {
-      const double limit = a.friction * a.normalImpulse;
+    if (friction(a) > 0.0) {
+      const double limit = friction(a) * a.normalImpulse;
       if (a.tangentImpulse2 < limit * limit * (1.0 - 1e-9)) {
         const double g = (u - un * a.n).norm();
         if (g > enough && g > gain) {
@@ -192,16 +196,32 @@ class Impulses {
     }
   }
 
+  [[nodiscard]] Eigen::Vector3d velocityAt(const ActiveContact& a) const noexcept {
+    if constexpr (kAlone) return relative(a, twist_, nullptr);
+    return island_.velocityAt(a);
+  }
+  [[nodiscard]] static double friction([[maybe_unused]] const ActiveContact& a) noexcept {
+    if constexpr (kFriction) return a.friction;
+    return 0.0;
+  }
+
   Island& island_;
   const ResponseSettings& settings_;
   std::uint32_t most_;               ///< Impulses of the island.
+  const Vector6d& twist_;            ///< Of the body that is alone.
   ActiveContact* before_ = nullptr;  ///< That got the last impulse against an approach.
 };
 
 }  // namespace
 
 void resolveVelocity(Island& island) noexcept {
-  Impulses(island).run();
+  if (island.count == 0) return;
+  const bool alone = island.bodyCount == 1;  // whom it touches would be on its island
+  if (island.settings->friction) {
+    alone ? Impulses<true, true>(island).run() : Impulses<true, false>(island).run();
+  } else {
+    alone ? Impulses<false, true>(island).run() : Impulses<false, false>(island).run();
+  }
 }
 
 }  // namespace palpate

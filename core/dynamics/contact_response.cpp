@@ -119,7 +119,7 @@ ResponseEffort ContactResolver::resolve(std::span<const ContactBody> bodies,
     body.response.twist = bodies[i].twist;
   }
   ResponseEffort effort;
-  if (h > 0.0) {
+  if (h > 0.0 && !sets.empty()) {
     s.island.sets = sets.first(std::min(sets.size(), s.island.own.size()));
     s.island.settings = &settings;
     s.island.h = h;

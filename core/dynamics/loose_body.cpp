@@ -11,8 +11,11 @@ bool LooseBody::reset(const PlainPose& X_WB) noexcept {
 
 void LooseBody::accelerate(double h) noexcept {
   if (!(h > 0.0)) return;
-  const double kept = 1.0 / (1.0 + h * settings_.drag);
-  body_.setTwist(kept * (body_.velocity() + h * settings_.gravity), kept * body_.angularVelocity());
+  if (accelerated_) {  // else not a bit of the twist changes
+    const double kept = 1.0 / (1.0 + h * settings_.drag);
+    body_.setTwist(kept * (body_.velocity() + h * settings_.gravity),
+                   kept * body_.angularVelocity());
+  }
   capped_ = false;
   cap(h);
 }

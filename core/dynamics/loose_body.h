@@ -23,7 +23,9 @@ struct LooseBodySettings {
 class LooseBody {
  public:
   LooseBody(const MassProperties& mass, const LooseBodySettings& settings) noexcept
-      : body_(mass), settings_(settings) {}
+      : body_(mass),
+        settings_(settings),
+        accelerated_(settings.drag != 0.0 || settings.gravity != Eigen::Vector3d::Zero()) {}
 
   /// At rest at X_WB; false and no change when the pose is not rigid.
   bool reset(const PlainPose& X_WB) noexcept;
@@ -50,6 +52,7 @@ class LooseBody {
 
   RigidBody body_;
   LooseBodySettings settings_;
+  bool accelerated_;  ///< Gravity or drag is on.
   Vector6d shift_ = Vector6d::Zero();
   bool capped_ = false;
 };

@@ -41,9 +41,28 @@ struct Surroundings {
   double drag = 10.0;
 };
 
+/// A box along the axes of its frame, as the scene file has it.
+struct SceneBox {
+  Eigen::Vector3d least_mm = Eigen::Vector3d::Zero(), most_mm = Eigen::Vector3d::Zero();
+};
+
+/// What of the anatomy is left out of the tree because no instrument gets there
+/// (core/simulation/reach.h says exactly when).
+enum class Reach : std::uint8_t {
+  All,     ///< Nothing.
+  Sealed,  ///< Cavities without a way in.
+  Device   ///< Those, and what is too far from the device's workspace.
+};
+
 struct Scene {
   std::string name;
   std::vector<std::string> labels;  ///< Felt labels, by name in labels.toml; empty: all.
+  /// Patient axes (P). Voxels whose centre is outside are background; empty: the whole grid.
+  std::optional<SceneBox> region;
+  Reach reach = Reach::Sealed;
+  /// Where the stylus can be, in D; for Reach::Device. Empty: whoever opens the scene fills it in
+  /// with the device's own.
+  std::optional<SceneBox> workspace;
   std::string instrument = "ball-burr";
   std::string device = "touch-x";  ///< The simulated model when no hardware is there.
   /// Where the device's workspace centre stands in W (= P, metres). Empty: over the anatomy's

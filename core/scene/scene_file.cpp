@@ -23,6 +23,44 @@ constexpr MethodName kMethods[] = {{"hierarchy", QueryMethod::Hierarchy},
                                    {"paper", QueryMethod::Paper},
                                    {"brute-force", QueryMethod::BruteForce}};
 
+struct ReachName {
+  const char* name;
+  Reach reach;
+};
+constexpr ReachName kReaches[] = {
+    {"all", Reach::All}, {"sealed", Reach::Sealed}, {"device", Reach::Device}};
+
+void readReach(TomlTable& root, Reach& reach) {
+  std::string name;
+  for (const auto& row : kReaches) {
+    if (row.reach == reach) name = row.name;
+  }
+  root.text("reach", name);
+  for (const auto& row : kReaches) {
+    if (name != row.name) continue;
+    reach = row.reach;
+    return;
+  }
+  root.refuse("reach", "There is no such reach.", name, "all, sealed or device");
+}
+
+/// [region] or [workspace], where there is one.
+std::optional<SceneBox> readBox(TomlFile& file, TomlTable& root, const char* key) {
+  const toml::table* found = root.table(key);
+  if (found == nullptr) return std::nullopt;
+  TomlTable table(file, *found, std::string(key) + ".", {"min_mm", "max_mm"});
+  SceneBox box;
+  table.numbers("min_mm", box.least_mm.data(), 3, {-1e5, 1e5}, Need::Required);
+  table.numbers("max_mm", box.most_mm.data(), 3, {-1e5, 1e5}, Need::Required);
+  for (int axis = 0; axis < 3 && !table.failed(); ++axis) {
+    if (box.least_mm[axis] < box.most_mm[axis]) continue;
+    table.refuse("max_mm", "A box has no inside.",
+                 exactText(box.most_mm[axis]) + " along " + "xyz"[axis],
+                 "more than min_mm, " + exactText(box.least_mm[axis]));
+  }
+  return box;
+}
+
 void readTree(TomlTable& table, TreeOptions& tree) {
   auto branching = static_cast<std::uint32_t>(tree.branching);
   table.integer("branching", branching, {8, 512});
@@ -140,11 +178,10 @@ Eigen::Isometry3d readDevicePose(TomlTable& table) {
   return X_WD;
 }
 
-Result<Scene> sceneFrom(TomlFile file) {
-  Scene scene;
+Result<Scene> sceneFrom(TomlFile file, Scene scene) {
   TomlTable root(file, file.root, "",
-                 {"format", "name", "labels", "instrument", "device", "device_pose", "body",
-                  "surroundings", "setting"});
+                 {"format", "name", "labels", "instrument", "device", "reach", "region",
+                  "workspace", "device_pose", "body", "surroundings", "setting"});
   std::uint32_t format = 0;
   root.integer("format", format, {1, 1e6}, Need::Required);
   if (!root.failed() && format > kFormat) {
@@ -156,6 +193,9 @@ Result<Scene> sceneFrom(TomlFile file) {
   root.texts("labels", scene.labels);
   root.text("instrument", scene.instrument);
   root.text("device", scene.device);
+  readReach(root, scene.reach);
+  scene.region = readBox(file, root, "region");
+  scene.workspace = readBox(file, root, "workspace");
   if (const toml::table* pose = root.table("device_pose")) {
     TomlTable table(file, *pose, "device_pose.", {"origin_mm", "rotation_wxyz"});
     scene.X_WD = readDevicePose(table);
@@ -190,6 +230,18 @@ std::string devicePoseText(const Eigen::Isometry3d& X_WD) {
   text += "]\nrotation_wxyz = [";
   for (int axis = 0; axis < 4; ++axis) text += (axis > 0 ? ", " : "") + exactText(pose.q[axis]);
   return text + "]\n";
+}
+
+std::string boxText(const char* key, const std::optional<SceneBox>& box) {
+  if (!box) return "";
+  std::string text = std::string("\n[") + key + "]\n";
+  const auto line = [&text](const char* name, const Eigen::Vector3d& corner) {
+    text += std::string(name) + " = [" + exactText(corner.x()) + ", " + exactText(corner.y()) +
+            ", " + exactText(corner.z()) + "]\n";
+  };
+  line("min_mm", box->least_mm);
+  line("max_mm", box->most_mm);
+  return text;
 }
 
 std::string settingText(const SimulationSetting& setting) {
@@ -255,20 +307,24 @@ std::string sceneText(const Scene& scene) {
   text += "]  # empty: every label is felt\n";
   text += "instrument = " + quoted(scene.instrument) + "\n";
   text += "device = " + quoted(scene.device) + "\n";
+  for (const auto& row : kReaches) {
+    if (row.reach == scene.reach) text += "reach = " + quoted(row.name) + "\n";
+  }
+  text += boxText("region", scene.region) + boxText("workspace", scene.workspace);
   if (scene.X_WD) text += devicePoseText(*scene.X_WD);
   return text + bodyText(scene) + settingText(scene.setting);
 }
 
-Result<Scene> sceneFromText(const std::string& text, const std::string& path) {
+Result<Scene> sceneFromText(const std::string& text, const std::string& path, const Scene& absent) {
   auto file = parseTomlText(text, path);
   if (!file) return fail(file.error());
-  return sceneFrom(std::move(*file));
+  return sceneFrom(std::move(*file), absent);
 }
 
 Result<Scene> readScene(const std::filesystem::path& path) {
   auto file = parseTomlFile(path);
   if (!file) return fail(file.error());
-  return sceneFrom(std::move(*file));
+  return sceneFrom(std::move(*file), {});
 }
 
 Result<void> writeScene(const Scene& scene, const std::filesystem::path& file) {

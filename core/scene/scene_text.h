@@ -8,7 +8,8 @@
 namespace palpate {
 
 [[nodiscard]] std::string sceneText(const Scene& scene);
-/// `path` is only for messages.
-[[nodiscard]] Result<Scene> sceneFromText(const std::string& text, const std::string& path);
+/// `path` is only for messages; keys that are absent are taken from `absent`.
+[[nodiscard]] Result<Scene> sceneFromText(const std::string& text, const std::string& path,
+                                          const Scene& absent = {});
 
 }  // namespace palpate

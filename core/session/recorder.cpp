@@ -224,8 +224,7 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
   const int handle = ::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
   if (handle < 0) return fail(cannotWrite(file, errno));
   ::close(handle);
-  auto writer = SessionWriter::create(part, file,
-                                      scene.levels.empty() ? kFormatWithoutLevels : kSessionFormat);
+  auto writer = SessionWriter::create(part, file);
   if (!writer) {
     removeDatabase(part);
     return fail(writer.error());

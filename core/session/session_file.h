@@ -1,8 +1,8 @@
 #pragma once
-/// The layout of a session file, format 3, and how one is opened. Format 1 had no part "pairs" (how
-/// materials meet) and steps of one length, so its real-clock sessions open but may not replay.
-/// Format 2 had no part "levels" and no command of a level; sessions of scenes without levels are
-/// still written as format 2, so that older builds replay them.
+/// The layout of a session file, format 3, and how one is opened. Format 2 had no region, left
+/// nothing out of the anatomy, and had no part "levels" and no command of a level. Format 1 had no
+/// part "pairs" (how materials meet) and steps of one length, so its real-clock sessions open but
+/// may not replay.
 ///
 /// SQLite, application_id "PALP", user_version = format. Tables:
 ///   meta(key, value)          readable: program_version, device, seed, clock, fingerprint, exact,
@@ -25,7 +25,6 @@
 namespace palpate {
 
 inline constexpr std::int64_t kSessionFormat = 3;
-inline constexpr std::int64_t kFormatWithoutLevels = 2;
 inline constexpr std::int64_t kSessionApplication = 0x50414C50;  // "PALP"
 
 /// For reading. Refuses what is no session, is damaged, or is of a later format.

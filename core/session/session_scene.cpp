@@ -264,7 +264,9 @@ Result<Scene> sceneOf(const SessionParts& parts, const std::string& file) {
   const auto* exact = find(parts, "exact");
   if (text == nullptr) return fail(damaged(file, "scene"));
   if (exact == nullptr) return fail(damaged(file, "exact"));
-  auto scene = sceneFromText({text->begin(), text->end()}, file);
+  Scene absent;
+  absent.reach = Reach::All;  // sessions of format 2 and before leave nothing out
+  auto scene = sceneFromText({text->begin(), text->end()}, file, absent);
   if (!scene) return fail(scene.error());
   Eigen::Isometry3d X_WD;
   Unpacker from(*exact);

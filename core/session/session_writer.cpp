@@ -28,20 +28,19 @@ bool giving(SafetyState state) {
 }  // namespace
 
 Result<std::unique_ptr<SessionWriter>> SessionWriter::create(const std::filesystem::path& file,
-                                                             const std::filesystem::path& shown,
-                                                             std::int64_t format) {
+                                                             const std::filesystem::path& shown) {
   int code = SQLITE_OK;
   auto database = Database::open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, code);
   if (!database) return fail(cannotWrite(shown, errno != 0 ? errno : EACCES));
   std::unique_ptr<SessionWriter> writer(new SessionWriter(std::move(*database), shown));
-  if (!writer->createTables(format)) return fail(*writer->error_);
+  if (!writer->createTables()) return fail(*writer->error_);
   return writer;
 }
 
-bool SessionWriter::createTables(std::int64_t format) {
+bool SessionWriter::createTables() {
   const std::string header =
       "PRAGMA application_id = " + std::to_string(kSessionApplication) +
-      "; PRAGMA user_version = " + std::to_string(format) +
+      "; PRAGMA user_version = " + std::to_string(kSessionFormat) +
       ";"
       // Write-ahead log, flushed at each commit: a power cut loses at most the open transaction.
       "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;";

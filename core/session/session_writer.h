@@ -27,7 +27,7 @@ class SessionWriter {
  public:
   /// Creates `file` anew. `shown` is the name that errors tell.
   [[nodiscard]] static Result<std::unique_ptr<SessionWriter>> create(
-      const std::filesystem::path& file, const std::filesystem::path& shown, std::int64_t format);
+      const std::filesystem::path& file, const std::filesystem::path& shown);
 
   void meta(const std::string& key, const std::string& value);
   void part(const std::string& name, const std::vector<std::uint8_t>& data);
@@ -47,7 +47,7 @@ class SessionWriter {
  private:
   SessionWriter(Database database, std::filesystem::path shown)
       : database_(std::move(database)), shown_(std::move(shown)) {}
-  [[nodiscard]] bool createTables(std::int64_t format);
+  [[nodiscard]] bool createTables();
   void check(int code);
   void event(std::uint64_t tick, const char* kind, const std::string& detail);
 

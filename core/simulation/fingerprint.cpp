@@ -97,6 +97,17 @@ std::uint64_t ofBodies(const PreparedScene& prepared, const FeltLabels& felt, st
   return row.hash(seed);
 }
 
+/// Only where something is left out: other scenes keep their fingerprints. What is outside of the
+/// region is not among the labels.
+std::uint64_t ofReach(const PreparedScene& prepared, std::uint64_t seed) {
+  const ReachSaving& saving = prepared.saving;
+  if (saving.filledVoxels + saving.outsideDevice == 0) return seed;
+  BitRow<2> row;
+  row.add(static_cast<std::uint64_t>(saving.filledVoxels));
+  row.add(static_cast<std::uint64_t>(saving.outsideDevice));
+  return row.hash(seed);
+}
+
 }  // namespace
 
 std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt) {
@@ -105,6 +116,7 @@ std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& fel
   hash = ofSurface(prepared.instrumentSurface, felt, hash);
   hash = ofBodies(prepared, felt, hash);
   hash = ofInstrument(prepared.instrument, hash);
+  hash = ofReach(prepared, hash);
   return ofSetting(prepared.scene.setting, hash);
 }
 

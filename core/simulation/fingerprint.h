@@ -13,6 +13,7 @@ namespace palpate {
 
 /// Of geometry, felt labels, their materials, loose bodies, instrument, and setting. Labels that
 /// are not felt do not count, nor does where the device stands: samples are recorded in the world.
+/// What cannot be reached counts where it is left out of the tree.
 [[nodiscard]] std::uint64_t fingerprintOf(const PreparedScene& prepared, const FeltLabels& felt);
 
 }  // namespace palpate

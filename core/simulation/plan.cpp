@@ -46,6 +46,46 @@ void addLabels(const PreparedScene& prepared, const std::vector<std::uint8_t>& f
   }
 }
 
+std::string share(std::size_t some, std::size_t all, const char* what) {
+  return std::to_string(some) + " of " + std::to_string(all) + " " + what;
+}
+
+const char* limitText(ReachLimit limit) {
+  switch (limit) {
+    case ReachLimit::None:
+      return "";
+    case ReachLimit::CutDescent:
+      return "kept: where descent is cut, contacts depend on the whole tree";
+    case ReachLimit::NoWorkspace:
+      return "kept: the device's workspace is not known";
+    case ReachLimit::LooseBodies:
+      return "kept: loose bodies go where the device does not";
+  }
+  return "";
+}
+
+/// Of what the scene leaves out, what is and why.
+void addReach(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
+  const ReachSaving& saving = prepared.saving;
+  const Reach reach = prepared.scene.reach;
+  const bool cut = prepared.reachLimit == ReachLimit::CutDescent;
+  plan.push_back({"outside the region", !prepared.scene.region.has_value(),
+                  prepared.scene.region
+                      ? std::to_string(saving.outsideRegion) + " labelled voxels left out"
+                      : "the scene names no region: all of the scan is in",
+                  0});
+  std::string cavities = share(saving.cavitiesFilled, saving.cavities, "filled, ") +
+                         share(saving.filledVoxels, saving.cavityVoxels, "voxels");
+  if (reach == Reach::All) cavities = "the scene keeps all";
+  if (cut) cavities = limitText(prepared.reachLimit);
+  plan.push_back(
+      {"sealed cavities", reach == Reach::All || saving.cavitiesFilled == 0, cavities, 0});
+  std::string device = std::to_string(saving.outsideDevice) + " labelled voxels left out";
+  if (reach != Reach::Device) device = "the scene keeps it";
+  if (prepared.reachLimit != ReachLimit::None) device = limitText(prepared.reachLimit);
+  plan.push_back({"beyond the device's workspace", saving.outsideDevice == 0, device, 0});
+}
+
 void addTree(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
   const TreeStats& stats = prepared.tree->stats();
   const TreeOptions& options = prepared.scene.setting.tree;
@@ -110,6 +150,7 @@ std::vector<PlanRow> planOf(const PreparedScene& prepared,
   const SimulationSetting& setting = prepared.scene.setting;
   std::vector<PlanRow> plan;
   addLabels(prepared, feltValues, plan);
+  addReach(prepared, plan);
   addTree(prepared, plan);
   plan.push_back({"instrument " + prepared.instrument.name, true,
                   std::to_string(prepared.shell->size()) + " shell points at " +
@@ -117,15 +158,17 @@ std::vector<PlanRow> planOf(const PreparedScene& prepared,
                       text("%.1f g", 1e3 * prepared.instrument.massProperties.mass),
                   prepared.shell->size() * 2 * sizeof(Eigen::Vector3d)});
   addBodies(prepared, plan);
-  plan.push_back({"contacts", true,
-                  "at most " + std::to_string(setting.contactCapacity) + " a step, " +
-                      std::to_string(setting.solverIterations) + " impulses a step",
-                  setting.contactCapacity * sizeof(Contact)});
+  plan.push_back(
+      {"contact query", true,
+       "at most " + std::to_string(setting.contactCapacity) + " contacts a step",
+       setting.contactCapacity * sizeof(Contact) + prepared.shell->size() * kQueryBytesAPoint});
+  plan.push_back({"contact response", true,
+                  "at most " + std::to_string(setting.solverIterations) + " impulses a step", 0});
   plan.push_back(governorRow(prepared));
   plan.push_back({"friction", setting.friction,
                   setting.friction ? "Coulomb, by pairs of materials" : "switched off", 0});
   plan.push_back(
-      {"coupling", true,
+      {"coupling and motion", true,
        text("%.0f %% of the stiffness recommended for the device", 100.0 * setting.couplingShare),
        0});
   plan.push_back({"device placement", true,

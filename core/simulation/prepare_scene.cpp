@@ -7,6 +7,7 @@
 #include "core/simulation/plan.h"
 #include "core/simulation/prepare_bodies.h"
 #include "core/simulation/prepared_scene.h"
+#include "core/simulation/reach.h"
 #include "core/voxels/tree_cache.h"
 
 namespace palpate {
@@ -105,6 +106,19 @@ Result<void> assignMaterials(PreparedScene& prepared, const FeltLabels& felt) {
   return {};
 }
 
+/// Refuses a region that holds nothing of what there is.
+Result<void> checkRegion(const LabelGrid& inside, const FeltLabels& felt,
+                         const ReachSaving& saving) {
+  const bool any = std::any_of(inside.labels.begin(), inside.labels.end(),
+                               [&felt](std::uint8_t label) { return felt[label]; });
+  if (any || saving.outsideRegion == 0) return {};
+  return fail(inputRefused("No voxel of the scene's labels lies in its region.")
+                  .inField("region")
+                  .butFound(std::to_string(saving.outsideRegion) + " voxels outside")
+                  .wants("a box in mm, patient axes, that holds some of them")
+                  .advise("Correct the region, or remove it from the scene."));
+}
+
 /// Part of a longer piece of work, shown as the share [from, to] of it.
 Progress share(const Progress& progress, double from, double to) {
   Progress part;
@@ -126,9 +140,13 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   if (auto checked = checkGrid(*labels); !checked) return fail(checked.error());
   const auto anatomy = anatomyLabels(scene, table);
   if (!anatomy) return fail(anatomy.error());
+  const FeltLabels moves = *bodyLabels(scene, table);
+  const FeltLabels felt = withBodies(*anatomy, moves);
+  ReachSaving saving;
+  labels = withinRegion(std::move(labels), scene.region, felt, saving);
+  if (auto checked = checkRegion(*labels, felt, saving); !checked) return fail(checked.error());
   const auto values = presentLabels(scene, *labels, *anatomy);
   if (!values) return fail(values.error());
-  const FeltLabels felt = withBodies(*anatomy, *bodyLabels(scene, table));
 
   auto prepared = std::make_shared<PreparedScene>();
   prepared->scene = scene;
@@ -139,24 +157,13 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   if (auto assigned = assignMaterials(*prepared, felt); !assigned) return fail(assigned.error());
   prepared->instrumentSurface = surfaceOf(*prepared, instrument.material);
 
-  auto tree = openOrBuildTree(*prepared->labels, *values, scene.setting.tree, treeCache,
-                              share(progress, 0.0, 0.7));
-  if (!tree) return fail(tree.error());
-  prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
-  if (progress.cancelled()) return fail(cancelled());
-
-  if (auto bodies = prepareBodies(*prepared, share(progress, 0.7, 0.8)); !bodies) {
-    return fail(bodies.error());
-  }
-
-  progress(0.8, "Sampling the instrument");
   const double spacing =
       scene.setting.shellSpacing > 0.0 ? scene.setting.shellSpacing : instrument.shellSpacing;
   auto shell = PointShell::fromMesh(instrument.mesh_T, spacing);
   if (!shell) return fail(shell.error());
   prepared->shell = std::make_shared<const PointShell>(std::move(*shell));
 
-  progress(0.9, "Placing the device");
+  progress(0.05, "Placing the device");
   prepared->X_WV = prepared->labels->geometry.X_PV;  // W = P
   bool approachIsClear = true;
   if (scene.X_WD) {
@@ -166,6 +173,30 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
     if (!approach) return fail(approach.error());
     prepared->X_WD = approach->X_PD;
     approachIsClear = approach->clear;
+  }
+
+  progress(0.1, "Looking for what cannot be reached");
+  const ReachableAnatomy reachable = reachableAnatomy(scene, prepared->labels, *anatomy, moves,
+                                                      *prepared->shell, prepared->X_WD, saving);
+  prepared->saving = reachable.saving;
+  prepared->reachLimit = reachable.limit;
+  const bool any = std::any_of(reachable.labels->labels.begin(), reachable.labels->labels.end(),
+                               [&anatomy](std::uint8_t label) { return (*anatomy)[label]; });
+  if (!any) {
+    return fail(inputRefused("The device reaches no voxel of the scene's labels.")
+                    .inField("device_pose")
+                    .advise("Place the device at the anatomy, or ask for reach = \"sealed\"."));
+  }
+  if (progress.cancelled()) return fail(cancelled());
+
+  auto tree = openOrBuildTree(*reachable.labels, *values, scene.setting.tree, treeCache,
+                              share(progress, 0.2, 0.8));
+  if (!tree) return fail(tree.error());
+  prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
+  if (progress.cancelled()) return fail(cancelled());
+
+  if (auto bodies = prepareBodies(*prepared, share(progress, 0.8, 0.95)); !bodies) {
+    return fail(bodies.error());
   }
   prepared->fingerprint = fingerprintOf(*prepared, felt);
   prepared->plan = planOf(*prepared, *values, spacing, approachIsClear);

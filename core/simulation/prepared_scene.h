@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,17 +17,20 @@
 #include "core/scene/material.h"
 #include "core/scene/scene.h"
 #include "core/simulation/governor_ladder.h"
+#include "core/simulation/reach.h"
 #include "core/voxels/label_grid.h"
 #include "core/voxels/voxel_tree.h"
 
 namespace palpate {
 
-/// One row of what the scene models or leaves out (simulate --explain).
+/// One row of what the scene models or leaves out (simulate --explain). Costs are what it takes, or
+/// what it would take were it modelled, as far as that is known.
 struct PlanRow {
   std::string what;
   bool modelled = false;
   std::string why;
   std::size_t bytes = 0;
+  std::optional<double> us = std::nullopt;  ///< µs a step in contact; filled in by measuredPlan().
 };
 
 /// A loose body: voxels of one label, cut out of the anatomy. Its frame B is W where it starts.
@@ -44,10 +48,13 @@ struct PreparedBody {
 struct PreparedScene {
   Scene scene;
   Instrument instrument;
-  std::shared_ptr<const LabelGrid> labels;  ///< Kept so that a session can carry its own anatomy.
+  /// Within the region; kept so that a session can carry its own anatomy.
+  std::shared_ptr<const LabelGrid> labels;
   LabelTable table;
   std::vector<Material> materials;
-  std::shared_ptr<const VoxelTree> tree;
+  std::shared_ptr<const VoxelTree> tree;  ///< Of what can be reached (reach.h).
+  ReachSaving saving;
+  ReachLimit reachLimit = ReachLimit::None;
   std::shared_ptr<const PointShell> shell;
   std::vector<PreparedBody> bodies;  ///< Empty where the scene declares none.
   Eigen::Isometry3d X_WV = Eigen::Isometry3d::Identity();
@@ -59,8 +66,9 @@ struct PreparedScene {
   std::uint64_t fingerprint = 0;  ///< Of labels, instrument and setting; in the session.
 };
 
-/// Refuses a label that the table does not have, and a case in which nothing is labelled. The tree
-/// is opened from, or left in, a cache file in `treeCache`, a case's folder, unless that is empty.
+/// Refuses a label that the table does not have, a case in which nothing is labelled, and a region
+/// or a device that holds or reaches nothing of what is. The tree is opened from, or left in, a
+/// cache file in `treeCache`, a case's folder, unless that is empty.
 [[nodiscard]] Result<std::shared_ptr<const PreparedScene>> prepareScene(
     const Scene& scene, std::shared_ptr<const LabelGrid> labels, const LabelTable& table,
     const std::vector<Material>& materials, const Instrument& instrument,

@@ -35,6 +35,9 @@ Scene unusualScene() {
   scene.bodies = {{"fragment", false, 0.1}, {"stone", true, 12.5}};
   scene.surroundings.gravity = {0.1, 9.81, -0.3};
   scene.surroundings.drag = 3.3;
+  scene.region = SceneBox{{-10.1, 0.2, 1e-7}, {20.3, 1.0 / 3.0, 5.7}};
+  scene.reach = Reach::Device;
+  scene.workspace = SceneBox{{-190.5, -133.5, -95.5}, {190.5, 133.5, 95.5}};
   return scene;
 }
 
@@ -75,6 +78,12 @@ TEST(SceneFile, EveryFieldSurvivesARoundTripToTheBit) {
   }
   EXPECT_EQ(back->surroundings.gravity, scene.surroundings.gravity);
   EXPECT_EQ(back->surroundings.drag, scene.surroundings.drag);
+  EXPECT_EQ(back->reach, scene.reach);
+  ASSERT_TRUE(back->region && back->workspace);
+  EXPECT_EQ(back->region->least_mm, scene.region->least_mm);
+  EXPECT_EQ(back->region->most_mm, scene.region->most_mm);
+  EXPECT_EQ(back->workspace->least_mm, scene.workspace->least_mm);
+  EXPECT_EQ(back->workspace->most_mm, scene.workspace->most_mm);
 }
 
 TEST(SceneFile, DevicePoseSurvivesWithinRounding) {
@@ -104,10 +113,14 @@ TEST(SceneFile, DefaultsAreThoseOfTheHeader) {
 }
 
 TEST(SceneFile, UnknownKeysAreRefusedWithTheListOfKnownOnes) {
-  EXPECT_EQ(refusal("format = 1\nregion = 3\n"),
-            "The file has a key that is not known. File: case/scene.toml. Field: region. "
-            "Found: region. Expected: one of: format, name, labels, instrument, device, "
-            "device_pose, body, surroundings, setting. Remove it or correct its spelling.");
+  EXPECT_EQ(refusal("format = 1\nregions = 3\n"),
+            "The file has a key that is not known. File: case/scene.toml. Field: regions. "
+            "Found: regions. Expected: one of: format, name, labels, instrument, device, reach, "
+            "region, workspace, device_pose, body, surroundings, setting. "
+            "Remove it or correct its spelling.");
+  EXPECT_EQ(refusal("format = 1\n[region]\nmin = [0, 0, 0]\n"),
+            "The file has a key that is not known. File: case/scene.toml. Field: region.min. "
+            "Found: min. Expected: one of: min_mm, max_mm. Remove it or correct its spelling.");
   EXPECT_EQ(refusal("format = 1\n[device_pose]\norigin = [0, 0, 0]\n"),
             "The file has a key that is not known. File: case/scene.toml. Field: "
             "device_pose.origin. Found: origin. Expected: one of: origin_mm, rotation_wxyz. "
@@ -154,6 +167,39 @@ TEST(SceneFile, WrongValuesAreRefusedByKeyFoundAndExpected) {
             "The file is not valid TOML. File: case/scene.toml. Field: line 2. "
             "Found: Error while parsing key-value pair: expected value, saw '\\n'. "
             "Correct that line.");
+}
+
+TEST(SceneFile, ARegionThatIsNoBoxIsRefused) {
+  const std::string start = "format = 1\n[region]\nmin_mm = [0, 0, 0]\n";
+  EXPECT_EQ(refusal("format = 1\nregion = 3\n"),
+            "A value has the wrong type. File: case/scene.toml. Field: region. "
+            "Found: a whole number. Expected: a table.");
+  EXPECT_EQ(refusal(start),
+            "The file lacks a key that it must have. File: case/scene.toml. Field: "
+            "region.max_mm. Found: nothing. Expected: max_mm.");
+  EXPECT_EQ(refusal(start + "max_mm = [1, 2]\n"),
+            "An array has the wrong length. File: case/scene.toml. Field: region.max_mm. "
+            "Found: 2. Expected: an array of 3 numbers.");
+  EXPECT_EQ(refusal(start + "max_mm = [1, 0, 1]\n"),
+            "A box has no inside. File: case/scene.toml. Field: region.max_mm. "
+            "Found: 0 along y. Expected: more than min_mm, 0.");
+  EXPECT_EQ(refusal(start + "max_mm = [1, 1, nan]\n"),
+            "A number is out of range. File: case/scene.toml. Field: region.max_mm[2]. "
+            "Found: nan. Expected: -1e+05 to 1e+05.");
+  EXPECT_EQ(refusal("format = 1\n[workspace]\nmin_mm = [0, 0, 5]\nmax_mm = [1, 1, -5]\n"),
+            "A box has no inside. File: case/scene.toml. Field: workspace.max_mm. "
+            "Found: -5 along z. Expected: more than min_mm, 5.");
+  EXPECT_EQ(refusal("format = 1\nreach = \"far\"\n"),
+            "There is no such reach. File: case/scene.toml. Field: reach. Found: far. "
+            "Expected: all, sealed or device.");
+}
+
+TEST(SceneFile, AKeyThatIsAbsentIsTakenFromWhatTheCallerSays) {
+  Scene absent;
+  absent.reach = Reach::All;
+  EXPECT_EQ(sceneFromText("format = 1\n", "x")->reach, Reach::Sealed);
+  EXPECT_EQ(sceneFromText("format = 1\n", "x", absent)->reach, Reach::All);
+  EXPECT_EQ(sceneFromText("format = 1\nreach = \"sealed\"\n", "x", absent)->reach, Reach::Sealed);
 }
 
 TEST(SceneFile, MissingFileIsRefusedByName) {

@@ -11,6 +11,7 @@
 
 #include "core/session/recorder.h"
 #include "core/session/replay.h"
+#include "core/session/session_scene.h"
 #include "tests/core/scene/temporary_folder.h"
 #include "tests/core/simulation/fragment_scene.h"
 
@@ -196,18 +197,6 @@ TEST_F(Session, ChangesOfLevelAreRecordedAsEventsAndReplayToTheBitOnEitherClock)
   }
 }
 
-TEST_F(Session, WithoutLevelsTheFormatIsThatOfOlderBuilds) {
-  record(file, prepared(ball()), {}, 0.1);
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  sqlite3_stmt* row = nullptr;
-  sqlite3_prepare_v2(database, "PRAGMA user_version", -1, &row, nullptr);
-  ASSERT_EQ(sqlite3_step(row), SQLITE_ROW);
-  EXPECT_EQ(sqlite3_column_int(row, 0), 2);
-  sqlite3_finalize(row);
-  sqlite3_close(database);
-}
-
 TEST_F(Session, HeaderTellsWhatWasRecorded) {
   Scene asked;
   asked.name = "Mr Example, born 1950";
@@ -259,6 +248,50 @@ TEST_F(Session, CarriesOnlyTheAnatomyThatIsFelt) {
   const auto report = replay(file);
   ASSERT_TRUE(report);
   EXPECT_TRUE(report->identical);
+}
+
+TEST_F(Session, WhatIsLeftOutOfTheTreeIsLeftOutAgain) {
+  // A ball with a cavity, cut in half by the region, under a device that reaches all of it.
+  auto grid = ball();
+  for (int k = 28; k < 36; ++k) {
+    for (int j = 28; j < 36; ++j) {
+      for (int i = 18; i < 26; ++i) grid->labels[grid->geometry.index(i, j, k)] = 0;
+    }
+  }
+  const Eigen::Vector3d middle =
+      1e3 * (grid->geometry.X_PV * grid->geometry.centre_V(31.5, 31.5, 31.5));
+  Scene asked;
+  asked.region =
+      SceneBox{middle - Eigen::Vector3d(100, 100, 100), middle + Eigen::Vector3d(0.1, 100, 100)};
+  asked.reach = Reach::Device;
+  asked.workspace = SceneBox{{-0.1 / 3.0, -60, -60}, {80, 60, 60}};
+  const auto scene = prepared(grid, asked);
+  EXPECT_GT(scene->saving.outsideRegion, 0U);
+  EXPECT_EQ(scene->saving.cavitiesFilled, 1U);
+  const Recorded recorded = record(file, scene, {}, 2.0);
+  EXPECT_GT(recorded.report.contactsMax, 0U);
+  const auto again = prepareSession(file);
+  ASSERT_TRUE(again) << sentence(again.error());
+  EXPECT_EQ((*again)->fingerprint, scene->fingerprint);
+  EXPECT_EQ((*again)->labels->labels, scene->labels->labels);
+  EXPECT_EQ((*again)->saving.filledVoxels, scene->saving.filledVoxels);
+  EXPECT_EQ((*again)->scene.workspace->least_mm, asked.workspace->least_mm);
+  const auto report = replay(file);
+  ASSERT_TRUE(report) << sentence(report.error());
+  EXPECT_TRUE(report->identical);
+}
+
+TEST_F(Session, OfFormatTwoLeavesNothingOut) {
+  SessionParts parts = partsOf(*prepared(ball()));
+  EXPECT_EQ(sceneOf(parts, "x")->reach, Reach::Sealed);
+  std::string text(parts["scene"].begin(), parts["scene"].end());
+  const std::size_t at = text.find("reach = ");
+  ASSERT_NE(at, std::string::npos);
+  text.erase(at, text.find('\n', at) + 1 - at);
+  parts["scene"].assign(text.begin(), text.end());
+  const auto scene = sceneOf(parts, "x");
+  ASSERT_TRUE(scene) << sentence(scene.error());
+  EXPECT_EQ(scene->reach, Reach::All);
 }
 
 TEST_F(Session, RealClockRecordingReplaysToTheBit) {
