@@ -4,12 +4,14 @@
 
 #include "app/command.h"
 #include "app/commands.h"
+#include "app/device_facts.h"
 #include "app/program_paths.h"
 #include "app/run_report.h"
 #include "app/run_sinks.h"
 #include "app/scene_loading.h"
 #include "app/setting_report.h"
 #include "app/text_table.h"
+#include "app/trade_memo.h"
 #include "core/base/whole_file.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
@@ -30,7 +32,7 @@ constexpr double kTicksPerSecond = 1000.0;
 
 struct SimulateOptions {
   fs::path caseOrScene;
-  bool headless = false, explain = false;
+  bool headless = false, explain = false, govern = false;
   std::string device, instrument, clock = "virtual";
   fs::path hand, record, samples, steps, bodies;
   double seconds = kDefaultSeconds;
@@ -276,6 +278,15 @@ std::vector<std::string> warningsOf(const RunReport& report, std::size_t rowsDro
   return warnings;
 }
 
+/// Measured here and now at the scene's own setting, which stays in force while the time suffices.
+Result<std::shared_ptr<const PreparedScene>> withGovernor(
+    const std::shared_ptr<const PreparedScene>& scene, const Progress& progress) {
+  const SimulationSetting own = scene->scene.setting;
+  const auto memo = measureTradeMemo(*scene, own, deviceFacts(scene->scene.device), progress);
+  if (!memo) return fail(memo.error());
+  return governed(scene, own, *memo);
+}
+
 Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandContext& context) {
   for (const fs::path& file : {options.samples, options.steps, options.bodies, options.record}) {
     if (file.empty()) continue;
@@ -286,8 +297,13 @@ Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandC
   SceneOverrides overrides;
   if (!options.instrument.empty()) overrides.instrument = options.instrument;
   if (!options.device.empty()) overrides.device = options.device;
-  const auto scene = loadScene(options.caseOrScene, *datasets, overrides, context.progress);
+  auto scene = loadScene(options.caseOrScene, *datasets, overrides, context.progress);
   if (!scene) return fail(scene.error());
+  if (options.govern) {
+    auto ladder = withGovernor(*scene, context.progress);
+    if (!ladder) return fail(ladder.error());
+    scene = std::move(*ladder);
+  }
   Result<std::unique_ptr<HapticDevice>> device = makeDevice(options, (*scene)->scene);
   if (!device) return fail(device.error());
 
@@ -369,6 +385,8 @@ void addSimulateCommand(CommandSet& commands) {
   sub->add_option("--samples", options->samples, "CSV to write, one row a servo tick");
   sub->add_option("--steps", options->steps, "CSV to write, one row a simulation step");
   sub->add_option("--bodies", options->bodies, "CSV to write, one row a step and loose body");
+  sub->add_flag("--govern", options->govern,
+                "Steps down along the measured front when steps take too long (measures it first)");
   sub->add_flag("--explain", options->explain, "What is modelled, what is not, and why");
 }
 

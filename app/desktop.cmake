@@ -19,7 +19,6 @@ palpate_library(desktop
     frame_report.cpp
     label_worker.cpp
     series_rows.cpp
-    trade_memo.cpp
   PUBLIC palpate::ui palpate::imaging palpate::imaging_exchange palpate::session palpate::devices
     palpate::wiring palpate::trade
   PRIVATE nlohmann_json::nlohmann_json)

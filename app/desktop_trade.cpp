@@ -5,12 +5,9 @@
 
 #include "app/accuracy.h"
 #include "app/desktop_loop.h"
-#include "core/trade/choice.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kHeadroom = 0.5;  // the rest of a step's time is the system's and the servo's
 
 ui::TradeRowModel rowModel(const TradeRow& row) {
   return {row.name, row.depth_mm, row.force_N, row.p99_us, row.p999_us, row.onFront};
@@ -36,20 +33,10 @@ void Desktop::measureTrade() {
   if (!scene || simulation_.running()) return;
   const auto work = [this, scene, own = ownSetting_, device = simulation_.info(),
                      key = tradeKey_](const Progress& progress) -> JobQueue::Completion {
-    Progress quiet;  // a moment; what takes time is the sweep
-    quiet.cancel = progress.cancel;
-    const auto declared = withSetting(*scene, own, quiet);
-    if (!declared) return [this, e = declared.error()] { complain(e, "Nothing was measured."); };
-    TradeRequest request;
-    request.effort = TradeEffort::Quick;
-    request.device = device;
-    const auto sweep = sweepTrade(**declared, request, progress);
-    if (!sweep) return [this, e = sweep.error()] { complain(e, "Nothing was measured."); };
-    const auto chosen = chooseSetting(sweep->points, own.stepPeriod, kHeadroom);
-    const TradeMemo memo = memoOf(*sweep, chosen ? chosen->name : "default");
+    const auto memo = measureTradeMemo(*scene, own, device, progress);
     return [this, key, memo] {
-      if (key != tradeKey_ || !open_) return;
-      takeTrade(memo);
+      if (!memo) return complain(memo.error(), "Nothing was measured.");
+      if (key == tradeKey_ && open_) takeTrade(*memo);
     };
   };
   jobs_.addIdle("Measuring speed and accuracy", work);
@@ -72,14 +59,18 @@ void Desktop::chooseTrade(const std::string& name) {
   applyTrade(name);
 }
 
-/// Makes the scene ready at a row's setting, beside the window; the present one stays until then.
+/// Makes the scene ready at a row's setting, with what a governor may step down to, beside the
+/// window; the present one stays until then.
 void Desktop::applyTrade(const std::string& name) {
   const auto scene = simulation_.shared();
   const auto setting = scene ? settingOfRow(name, ownSetting_, scene->instrument) : std::nullopt;
-  if (!setting || name == appliedTrade_) return;
+  if (!setting || !trade_) return;
+  if (name == appliedTrade_ && !scene->levels.empty()) return;
   appliedTrade_ = name;
-  jobs_.addLatest("Applying the setting", [this, scene, setting](const Progress& progress) {
-    const auto prepared = withSetting(*scene, *setting, progress);
+  jobs_.addLatest("Applying the setting", [this, scene, setting = *setting, own = ownSetting_,
+                                           memo = *trade_](const Progress& progress) {
+    auto prepared = withSetting(*scene, setting, progress);
+    if (prepared) prepared = governed(*prepared, own, memo);
     return [this, scene, prepared] {
       if (simulation_.shared() != scene) return;
       if (!prepared) return complain(prepared.error(), "The simulation is as it was.");
@@ -99,7 +90,7 @@ void Desktop::forgetTrade() {
 void Desktop::showTrade() {
   ui::TradeModel& model = model_.simulate.trade;
   model = {};
-  model.limit_us = 1e6 * kHeadroom * ownSetting_.stepPeriod;
+  model.limit_us = 1e6 * kTradeHeadroom * ownSetting_.stepPeriod;
   if (!trade_) return;
   for (const TradeRow& row : trade_->rows) {
     if (row.name == trade_->chosen) model.chosen = model.rows.size();

@@ -5,9 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "app/accuracy.h"
 #include "app/setting_report.h"
 #include "core/base/whole_file.h"
 #include "core/simulation/fingerprint.h"
+#include "core/trade/choice.h"
 #include "core/trade/options.h"
 
 namespace palpate {
@@ -92,14 +94,41 @@ Result<void> writeTradeMemo(const fs::path& caseFolder, const std::string& key,
   return writeWholeFile(caseFolder / kFile, json.dump(2) + "\n");
 }
 
+Result<TradeMemo> measureTradeMemo(const PreparedScene& scene, const SimulationSetting& own,
+                                   const DeviceInfo& device, const Progress& progress) {
+  Progress quiet;  // a moment; what takes time is the sweep
+  quiet.cancel = progress.cancel;
+  const auto declared = withSetting(scene, own, quiet);
+  if (!declared) return fail(declared.error());
+  TradeRequest request;
+  request.effort = TradeEffort::Quick;
+  request.device = device;
+  request.limit_us = 1e6 * kTradeHeadroom * own.stepPeriod;
+  const auto sweep = sweepTrade(**declared, request, progress);
+  if (!sweep) return fail(sweep.error());
+  const auto chosen = chooseSetting(sweep->points, own.stepPeriod, kTradeHeadroom);
+  return memoOf(*sweep, chosen ? chosen->name : "default");
+}
+
+std::shared_ptr<const PreparedScene> governed(const std::shared_ptr<const PreparedScene>& scene,
+                                              const SimulationSetting& own,
+                                              const TradeMemo& memo) {
+  std::vector<MeasuredSetting> measured;
+  for (const TradeRow& row : memo.rows) {
+    const auto setting = settingOfRow(row.name, own, scene->instrument);
+    if (setting) measured.push_back({row.name, *setting, row.p99_us, row.force_N, row.depth_mm});
+  }
+  const auto with = withLevels(*scene, ladderOf(scene->scene.setting, measured));
+  return with ? *with : scene;
+}
+
 std::optional<SimulationSetting> settingOfRow(const std::string& name,
                                               const SimulationSetting& own,
                                               const Instrument& instrument) {
   const double spacing = own.shellSpacing > 0.0 ? own.shellSpacing : instrument.shellSpacing;
-  for (const NamedSetting& single : singleChanges(own, optionsAround(own, spacing))) {
-    if (single.name == name) return single.setting.simulation;
-  }
-  return std::nullopt;
+  const auto setting = settingNamed(own, optionsAround(own, spacing), name);
+  if (!setting) return std::nullopt;
+  return setting->simulation;
 }
 
 }  // namespace palpate

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/progress.h"
 #include "core/simulation/prepared_scene.h"
 #include "core/trade/tradeoff.h"
 
 namespace palpate {
 
 struct TradeRow {
-  std::string name;  ///< Of a single change of the scene's own setting; "default": none.
+  std::string name;  ///< Of changes of the scene's own setting; "default": none.
   double depth_mm = 0, force_N = 0, p99_us = 0, p999_us = 0;  ///< As promised.
   bool onFront = false;
 };
@@ -39,7 +40,23 @@ struct TradeMemo {
 [[nodiscard]] Result<void> writeTradeMemo(const std::filesystem::path& caseFolder,
                                           const std::string& key, const TradeMemo& memo);
 
-/// The scene's own setting with the change that a row names; nothing for a name that is none.
+/// Measures in seconds, chooses under the deadline of the scene's own step.
+/// @param scene  at any setting. @param own  as the case declares it.
+[[nodiscard]] Result<TradeMemo> measureTradeMemo(const PreparedScene& scene,
+                                                 const SimulationSetting& own,
+                                                 const DeviceInfo& device,
+                                                 const Progress& progress);
+
+/// The scene with what a governor may step down to from its setting; without levels where nothing
+/// of the memo is a step down.
+[[nodiscard]] std::shared_ptr<const PreparedScene> governed(
+    const std::shared_ptr<const PreparedScene>& scene, const SimulationSetting& own,
+    const TradeMemo& memo);
+
+/// Of a step's time, what it may take; the rest is the system's and the servo's.
+inline constexpr double kTradeHeadroom = 0.5;
+
+/// The scene's own setting with the changes that a row names; nothing for a name that is none.
 [[nodiscard]] std::optional<SimulationSetting> settingOfRow(const std::string& name,
                                                             const SimulationSetting& own,
                                                             const Instrument& instrument);

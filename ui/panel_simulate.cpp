@@ -166,7 +166,7 @@ void drawNumbers(const Painter& paint, const SimulateModel& simulate, const Snap
   if (slider(paint, "Impulses a step", iterations, 10, 500)) {
     paint.actions.push_back(act::SolverIterations{static_cast<std::uint32_t>(iterations)});
   }
-  drawTrade(paint, simulate, busy);
+  drawTrade(paint, simulate, snapshot, busy);
   if (!simulate.realTimeNote.empty() && !simulate.realTime) sentence(paint, simulate.realTimeNote);
 }
 

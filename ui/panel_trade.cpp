@@ -113,12 +113,18 @@ void drawFront(const Painter& paint, const TradeModel& trade) {
 
 }  // namespace
 
-void drawTrade(const Painter& paint, const SimulateModel& simulate, bool busy) {
+void drawTrade(const Painter& paint, const SimulateModel& simulate, const Snapshot* snapshot,
+               bool busy) {
   const TradeModel& trade = simulate.trade;
   if (trade.rows.empty()) {
     keyValue(paint, "Error", "not measured");
   } else {
     drawFront(paint, trade);
+  }
+  if (simulate.running && snapshot != nullptr && snapshot->levels > 0) {
+    keyValue(paint, "Governor",
+             snapshot->level == 0 ? std::string("as chosen")
+                                  : settingWords(snapshot->levelName.data()));
   }
   if (button(paint, icon::kCrosshair, trade.rows.empty() ? "Measure" : "Measure again",
              Emphasis::Normal, -1.0F, simulate.ready && !simulate.running && !busy,

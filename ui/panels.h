@@ -56,7 +56,8 @@ void drawSimulatePanel(const Painter& paint, const Model& model, bool& spaceHold
 /// The part of the Simulate panel that chooses the device and says how it is.
 void drawDevice(const Painter& paint, const SimulateModel& simulate);
 /// The part of the Simulate panel where speed is traded for accuracy.
-void drawTrade(const Painter& paint, const SimulateModel& simulate, bool busy);
+void drawTrade(const Painter& paint, const SimulateModel& simulate, const Snapshot* snapshot,
+               bool busy);
 void drawReviewPanel(const Painter& paint, const Model& model);
 
 /// "What to do next", where there is no case.

@@ -1,13 +1,16 @@
 #include "ui/trade_words.h"
 
 #include <cstdio>
+#include <sstream>
 
 namespace palpate::ui {
 
-std::string settingWords(const std::string& name) {
+namespace {
+
+std::string changeWords(const std::string& name) {
   const std::size_t equals = name.find('=');
   const std::string option = name.substr(0, equals);
-  const std::string value = equals == std::string::npos ? "" : name.substr(equals + 1);
+  const std::string value = equals == std::string::npos ? std::string{} : name.substr(equals + 1);
   // "1.00mm", "500Hz": a space before the unit.
   const std::size_t digits = value.find_first_not_of("0123456789.");
   const std::string amount = digits == std::string::npos || digits == 0
@@ -20,6 +23,15 @@ std::string settingWords(const std::string& name) {
   if (option == "perceptual") return "details below " + amount + " left out";
   if (option == "rate") return amount;
   return name;
+}
+
+}  // namespace
+
+std::string settingWords(const std::string& name) {
+  std::istringstream changes(name);
+  std::string change, all;
+  while (changes >> change) all.append(all.empty() ? "" : ", ").append(changeWords(change));
+  return all;
 }
 
 std::string numbersText(const TradeRowModel& row) {

@@ -7,7 +7,8 @@
 
 namespace palpate::ui {
 
-/// "shell=1.00mm" as "a shell point every 1.00 mm"; what is not known stays as it is.
+/// "shell=1.00mm" as "a point every 1.00 mm", several with a comma between them; what is not known
+/// stays as it is.
 [[nodiscard]] std::string settingWords(const std::string& name);
 /// "0.12 mm, 0.05 N, 310 µs".
 [[nodiscard]] std::string numbersText(const TradeRowModel& row);

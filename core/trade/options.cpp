@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <random>
+#include <sstream>
 
 #include "core/geometry/units.h"
 
@@ -131,24 +132,38 @@ std::vector<NamedSetting> singleChanges(const SimulationSetting& base,
   return all;
 }
 
+std::optional<TradeSetting> settingNamed(const SimulationSetting& base,
+                                         const std::vector<TradeOption>& options,
+                                         const std::string& name) {
+  TradeSetting setting{base};
+  if (name == "default") return setting;
+  std::istringstream words(name);
+  std::string word;
+  bool any = false;
+  while (words >> word) {
+    any = false;
+    for (const TradeOption& option : options) {
+      for (const OptionValue& value : option.values) {
+        if (word != option.name + "=" + value.name) continue;
+        value.apply(setting);
+        any = true;
+      }
+    }
+    if (!any) return std::nullopt;
+  }
+  return any ? std::optional(setting) : std::nullopt;
+}
+
 std::vector<NamedSetting> pairedChanges(const SimulationSetting& base,
                                         const std::vector<TradeOption>& options,
                                         const std::vector<NamedSetting>& singles) {
-  const auto apply = [&options](const NamedSetting& single, TradeSetting& setting) {
-    for (const TradeOption& option : options) {
-      for (const OptionValue& value : option.values) {
-        if (option.name == single.option && value.name == single.value) value.apply(setting);
-      }
-    }
-  };
   std::vector<NamedSetting> all;
   for (std::size_t a = 0; a < singles.size(); ++a) {
     for (std::size_t b = a + 1; b < singles.size(); ++b) {
       if (singles[a].option == singles[b].option) continue;
-      NamedSetting named{singles[a].name + " " + singles[b].name, {base}, {}, {}};
-      apply(singles[a], named.setting);
-      apply(singles[b], named.setting);
-      all.push_back(std::move(named));
+      const std::string name = singles[a].name + " " + singles[b].name;
+      const auto setting = settingNamed(base, options, name);
+      if (setting) all.push_back({name, *setting, {}, {}});
     }
   }
   return all;

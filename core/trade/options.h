@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,10 @@ struct NamedSetting {
 /// The base, then each value of each option by itself.
 [[nodiscard]] std::vector<NamedSetting> singleChanges(const SimulationSetting& base,
                                                       const std::vector<TradeOption>& options);
+/// The base with the changes that a name of these lists; nothing where it names no such change.
+[[nodiscard]] std::optional<TradeSetting> settingNamed(const SimulationSetting& base,
+                                                       const std::vector<TradeOption>& options,
+                                                       const std::string& name);
 /// Every two of the given changes that are of different options.
 [[nodiscard]] std::vector<NamedSetting> pairedChanges(const SimulationSetting& base,
                                                       const std::vector<TradeOption>& options,

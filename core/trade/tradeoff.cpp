@@ -64,6 +64,25 @@ std::vector<NamedSetting> strongest(const std::vector<NamedSetting>& singles,
   return chosen;
 }
 
+/// The choice under a limit, together with what a running simulation can change.
+std::vector<NamedSetting> stepsDown(const SimulationSetting& own,
+                                    const std::vector<TradeOption>& options,
+                                    const std::vector<NamedSetting>& singles,
+                                    const std::vector<TradePoint>& points, double limit_us) {
+  const auto chosen = chooseSetting(points, 1e-6 * limit_us, 1.0);
+  std::vector<NamedSetting> more;
+  if (!chosen || chosen->option.empty()) return more;  // the singles are its steps down
+  for (const NamedSetting& single : singles) {
+    if (single.option == chosen->option) continue;
+    if (single.option != "iterations" && single.option != "perceptual") continue;
+    const std::string name = chosen->name + " " + single.name;
+    if (const auto setting = settingNamed(own, options, name)) {
+      more.push_back({name, *setting, {}, {}});
+    }
+  }
+  return more;
+}
+
 std::vector<Growth> growthOf(const std::vector<TradePoint>& points, Bench& bench) {
   std::vector<double> resolution, shell, tests[2], time[2], bytes, build;
   for (const TradePoint& point : points) {
@@ -127,7 +146,7 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
   if (quick) {
     std::erase_if(singles, [](const NamedSetting& s) { return kQuickNot.contains(s.name); });
   }
-  const double end = quick ? 1.0 : 0.4;
+  const double end = quick ? 0.75 : 0.4;
   if (auto done = measureAll(*bench, singles, part(progress, 0.15, end), sweep.points); !done) {
     return fail(done.error());
   }
@@ -140,6 +159,12 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
       return fail(done.error());
     }
     sweep.growth = growthOf(sweep.points, *bench);
+  }
+  if (quick && request.limit_us > 0.0) {
+    const auto more = stepsDown(own, options, singles, sweep.points, request.limit_us);
+    if (auto done = measureAll(*bench, more, part(progress, end, 1.0), sweep.points); !done) {
+      return fail(done.error());
+    }
   }
   markFront(sweep.points);
   progress(1.0, "Measured");

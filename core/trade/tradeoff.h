@@ -34,6 +34,9 @@ struct TradeRequest {
   TradeEffort effort = TradeEffort::Whole;
   DeviceInfo device;                    ///< Its coupling.
   std::optional<KnownShape> shape;      ///< The scene's labels are voxelsOf() this.
+  /// `Quick` tries the best setting that fits this step time once more, with each change that a
+  /// running simulation can make (governor_ladder.h): what a governor steps down to. 0: none.
+  double limit_us = 0.0;
   std::vector<Trajectory> recorded;     ///< Motions of sessions, besides the made ones.
 };
 

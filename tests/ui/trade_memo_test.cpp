@@ -66,6 +66,20 @@ TEST(TradeMemo, ARowNamesItsSetting) {
   EXPECT_FALSE(settingOfRow("shell=1.01mm", own, instrument));
 }
 
+TEST(TradeMemo, GivesAGovernorWhatARunningSceneCanStepDownTo) {
+  const auto scene = prepared(ball());
+  TradeMemo made;
+  made.rows = {{"iterations=20", 0.1, 0.25, 4, 9, true},
+               {"shell=2.00mm", 0.4, 0.3, 3, 8, true},
+               {"default", 0.1, 0.2, 8, 30, true}};
+  const auto with = governed(scene, scene->scene.setting, made);
+  ASSERT_EQ(with->levels.size(), 2U);
+  EXPECT_EQ(with->levels[0].name, "default");
+  EXPECT_EQ(with->levels[1].solverIterations, 20U);
+  EXPECT_EQ(with->levels[1].forceErrorP95_N, 0.25);
+  EXPECT_TRUE(governed(scene, scene->scene.setting, {})->levels.empty());
+}
+
 TEST(TradeMemo, HoldsWhatASceneCanHaveTheFastestFirst) {
   TradeSweep sweep;
   for (int i = 0; i < 3; ++i) {

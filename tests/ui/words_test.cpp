@@ -268,6 +268,8 @@ TEST(TradeWords, SettingsReadAsSentencesDo) {
   EXPECT_EQ(settingWords("leaf=voxel"), "voxel leaves");
   EXPECT_EQ(settingWords("rate=500Hz"), "500 Hz");
   EXPECT_EQ(settingWords("something=new"), "something=new");
+  EXPECT_EQ(settingWords("shell=1.00mm iterations=20"),
+            "a point every 1.00 mm, 20 impulses a step");
 }
 
 TEST(TradeWords, NumbersAreThoseOfTheChosenRow) {

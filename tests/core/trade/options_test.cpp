@@ -61,6 +61,22 @@ TEST(Options, TheBasesOwnValueIsNotAChange) {
   EXPECT_TRUE(names.contains("shell=2.00mm"));
 }
 
+TEST(Options, ANameListsItsChanges) {
+  SimulationSetting base;
+  const auto options = optionsAround(base, kSpacing);
+  const auto both = settingNamed(base, options, "shell=1.00mm iterations=20");
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->simulation.shellSpacing, 1e-3);
+  EXPECT_EQ(both->simulation.solverIterations, 20U);
+  for (const NamedSetting& single : singleChanges(base, options)) {
+    const auto named = settingNamed(base, options, single.name);
+    ASSERT_TRUE(named) << single.name;
+    EXPECT_TRUE(same(*named, single.setting)) << single.name;
+  }
+  EXPECT_FALSE(settingNamed(base, options, ""));
+  EXPECT_FALSE(settingNamed(base, options, "shell=1.00mm iterations=21"));
+}
+
 TEST(Options, PairsAreOfDifferentOptionsAndChangeBoth) {
   SimulationSetting base;
   const auto options = optionsAround(base, kSpacing);
