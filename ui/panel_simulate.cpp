@@ -188,10 +188,13 @@ void drawPlan(const Painter& paint, const SimulateModel& simulate) {
                       static_cast<double>(row.bytes) / (1024.0 * 1024.0));
         cost += text;
       }
-      ImGui::BeginGroup();
+      const ImVec2 a = ImGui::GetCursorScreenPos();
+      const float width = ImGui::GetContentRegionAvail().x;
       keyValue(paint, row.what, cost);
-      ImGui::EndGroup();
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.why.c_str());
+      const ImVec2 b(a.x + width, ImGui::GetCursorScreenPos().y);
+      if (ImGui::IsWindowHovered() && ImGui::IsMouseHoveringRect(a, b)) {
+        ImGui::SetTooltip("%s", row.why.c_str());
+      }
     }
   }
 }
