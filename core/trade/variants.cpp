@@ -1,6 +1,7 @@
 #include "core/trade/variants.h"
 
 #include "core/simulation/fingerprint.h"
+#include "core/simulation/reach.h"
 #include "core/trade/coarse_labels.h"
 
 namespace palpate {
@@ -21,7 +22,11 @@ std::vector<std::uint8_t> valuesOf(const FeltLabels& felt) {
 }  // namespace
 
 Variants::Variants(const PreparedScene& base)
-    : base_(base), felt_(valuesOf(feltLabelsOf(base))) {
+    : base_(base),
+      felt_(valuesOf(feltLabelsOf(base))),
+      reachable_(reachableAnatomy(base.scene, base.labels, feltLabelsOf(base), {}, *base.shell,
+                                  base.X_WD, {})
+                     .labels) {
   if (base.bodies.empty()) trees_.push_back({1, base.labels, base.tree});
   shells_.emplace_back(spacingOf(base.scene.setting), base.shell);
 }
@@ -64,9 +69,9 @@ Result<Variants::Built> Variants::treeOf(const TreeOptions& options, int coarsen
     if (other.coarsening == coarsening) built.labels = other.labels;
   }
   if (coarsening > 1 && built.labels == base_.labels) {
-    built.labels = std::make_shared<const LabelGrid>(coarseLabels(*base_.labels, coarsening));
+    built.labels = std::make_shared<const LabelGrid>(coarseLabels(*reachable_, coarsening));
   }
-  auto tree = VoxelTree::build(*built.labels, felt_, options);
+  auto tree = VoxelTree::build(coarsening > 1 ? *built.labels : *reachable_, felt_, options);
   if (!tree) return fail(tree.error());
   built.tree = std::make_shared<const VoxelTree>(std::move(*tree));
   trees_.push_back(built);

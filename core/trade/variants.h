@@ -33,6 +33,7 @@ class Variants {
 
   const PreparedScene& base_;
   std::vector<std::uint8_t> felt_;
+  std::shared_ptr<const LabelGrid> reachable_;  ///< What trees are built of, as the base's was.
   std::vector<Built> trees_;
   std::vector<std::pair<double, std::shared_ptr<const PointShell>>> shells_;
 };
