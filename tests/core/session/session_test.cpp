@@ -515,8 +515,8 @@ TEST_F(Session, WhatIsNoSessionIsRefusedByName) {
 
 TEST_F(Session, LaterFormatsAreRefusedByNumber) {
   record(file, prepared(ball()), {}, 0.1);
-  sql(file, "PRAGMA user_version = 3");
-  EXPECT_EQ(refusal(file), "The session was recorded by a later version of this program.|format|3");
+  sql(file, "PRAGMA user_version = 4");
+  EXPECT_EQ(refusal(file), "The session was recorded by a later version of this program.|format|4");
 }
 
 TEST_F(Session, DamagedFilesAreRefusedByWhatIsDamaged) {
