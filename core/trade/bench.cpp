@@ -127,6 +127,7 @@ std::vector<std::string> Bench::names() const {
 
 void Bench::addCost(const Pass& pass) {
   micros_.push_back(pass.micros);
+  slowest_.push_back(pass.slowest);
   tests_.insert(tests_.end(), pass.tests.begin(), pass.tests.end());
 }
 
@@ -154,6 +155,7 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   const bool exact = named.setting.doublePrecision;
   const CouplingGains gains = exact ? softened(gainsOf({}), setting.couplingShare) : gainsOf(setting);
   micros_.clear();
+  slowest_.clear();
   tests_.clear();
   ErrorSamples errors;
   for (const Motion& motion : motions_) {
@@ -176,7 +178,7 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   point.setting = named.setting;
   point.errors = errors.errors();
   point.cost = costOf(**scene, exact);
-  point.promise = {errors.promisedForce(), errors.promisedDepth(), boundOf(micros_, 0.999)};
+  point.promise = {errors.promisedForce(), errors.promisedDepth(), boundOf(slowest_, 0.999)};
   point.offered = named.setting.coarsening == 1 && !exact;
   return point;
 }

@@ -51,6 +51,7 @@ class Bench {
   std::vector<Motion> motions_;
   TradePoint reference_;
   std::vector<std::vector<double>> micros_;  ///< Of the setting that is measured, by motion.
+  std::vector<std::vector<double>> slowest_;
   std::vector<double> tests_;
 };
 

@@ -97,6 +97,7 @@ Pass runPass(const std::shared_ptr<const PreparedScene>& scene, const CouplingGa
   for (std::size_t i = 0; i < times.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
     pass.micros[i] = times[i][times[i].size() / 2];
+    pass.slowest.push_back(times[i].back());
   }
   return pass;
 }

@@ -50,7 +50,7 @@ struct TradeCost {
 /// What holds within a tenth over other motions of the same kind, 19 times in 20 (promise.h).
 struct TradePromise {
   double force_N = 0, depth_mm = 0;  ///< p95 of the errors.
-  double p999_us = 0;                ///< Of a step.
+  double p999_us = 0;                ///< Of a step, from the longest of its repeats.
 };
 
 struct TradePoint {

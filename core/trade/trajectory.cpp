@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -88,21 +89,6 @@ Path overTheDevice(const PreparedScene& scene, double down_s, double heading, do
   };
 }
 
-/// Where a ray from outside first meets the surface.
-std::optional<Eigen::Vector3d> firstTouch(ReferenceShape& shape, const Surround& surround,
-                                          const Eigen::Vector3d& direction,
-                                          const Eigen::Vector3d& towards) {
-  constexpr double kLeastStep = 0.1e-3, kFarStep = 1e-3;
-  const double from = surround.radius + kAbove;
-  for (double s = from; s > -surround.radius;) {
-    const Eigen::Vector3d p = towards + s * direction;
-    const double d = shape.distance(p);
-    if (d < 0.0) return p;
-    s -= std::isfinite(d) ? std::max(kLeastStep, 0.5 * d) : kFarStep;
-  }
-  return std::nullopt;
-}
-
 std::optional<Eigen::Vector3d> directionOf(Random& random, const Surround& surround) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const Eigen::Vector3d direction = random.direction();
@@ -119,6 +105,24 @@ Eigen::Isometry3d tipFirst(const Eigen::Vector3d& tip, const Eigen::Vector3d& ou
                    .toRotationMatrix();
   X.translation() = tip;
   return X;
+}
+
+/// Where the tip is when the tool, on its way in from outside, first touches.
+std::optional<Eigen::Vector3d> firstTouch(ReferenceShape& shape, const Surround& surround,
+                                          const Eigen::Vector3d& direction, double roll,
+                                          const Eigen::Vector3d& towards) {
+  constexpr double kLeastStep = 0.1e-3, kFarStep = 1e-3;
+  const Eigen::Matrix3d R = tipFirst(towards, direction, roll).linear();
+  for (double s = surround.radius + kAbove; s > -surround.radius;) {
+    const Eigen::Vector3d tip = towards + s * direction;
+    double free = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& p_T : surround.points_T) {
+      free = std::min(free, shape.distance(tip + R * p_T));
+      if (free < 0.0) return tip;
+    }
+    s -= std::isfinite(free) ? std::max(kLeastStep, 0.5 * free) : kFarStep;
+  }
+  return std::nullopt;
 }
 
 /// Of 26 directions, how many meet anatomy within 8 mm of a place just outside the surface.
@@ -159,6 +163,12 @@ Surround surroundOf(const PreparedScene& scene) {
   surround.centre_W = scene.X_WV * (sum / count);
   surround.radius = 0.5 * box.diagonal().norm() + (sum / count - box.center()).norm();
   surround.up_W = scene.X_WD.linear().col(1);
+  constexpr std::size_t kPoints = 150;
+  const auto points = scene.shell->points_T();
+  surround.points_T.clear();
+  for (std::size_t i = 0; i < points.size(); i += points.size() / kPoints + 1) {
+    surround.points_T.push_back(points[i]);
+  }
   return surround;
 }
 
@@ -181,7 +191,7 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
 }
 
 Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
-  constexpr int kRays = 200;
+  constexpr int kRays = 100;
   constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.6, kIn_s = 0.4;
   Random random(seed);
   int most = -1;
@@ -190,7 +200,7 @@ Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint
     const auto direction = directionOf(random, surround);
     if (!direction) break;
     const Eigen::Vector3d aside = 0.4 * surround.radius * random.uniform() * random.direction();
-    const auto touch = firstTouch(shape, surround, *direction, surround.centre_W + aside);
+    const auto touch = firstTouch(shape, surround, *direction, 0.0, surround.centre_W + aside);
     if (!touch) continue;
     const int met = enclosure(shape, *touch + 1e-3 * *direction);
     if (met <= most) continue;
@@ -222,7 +232,7 @@ Trajectory randomPath(ReferenceShape& shape, const Surround& surround, std::uint
   const auto direction = directionOf(random, surround);
   const double roll = 2.0 * kPi * random.uniform();
   const auto touch =
-      direction ? firstTouch(shape, surround, *direction, surround.centre_W) : std::nullopt;
+      direction ? firstTouch(shape, surround, *direction, roll, surround.centre_W) : std::nullopt;
   if (!touch) return path;
   const double moving_s = (kReach + kBelow) / kSpeed;
   path.samples = sampled(

@@ -29,8 +29,11 @@ struct Surround {
   double radius = 0.0;                                ///< m, holds all that is felt.
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitY();    ///< +y of the device.
   double leastCosine = -1.0;                          ///< Of a direction with up: -1 from anywhere.
+  /// A few points of the instrument: what touches first on the way in. The tip alone would let a
+  /// hand push a burr far into the rim of a narrow hole.
+  std::vector<Eigen::Vector3d> points_T{Eigen::Vector3d::Zero()};
 };
-/// The felt voxels' own centroid and extent.
+/// The felt voxels' own centroid and extent, some 150 points of the scene's shell.
 [[nodiscard]] Surround surroundOf(const PreparedScene& scene);
 
 /// 10 mm down along -y of D to 1.5 mm below its origin within a second; then still for 0.3 s.
@@ -38,12 +41,12 @@ struct Surround {
 /// Down as well, within half a second, then a second to and fro within 8 mm. The seed turns and times
 /// the slide.
 [[nodiscard]] Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed);
-/// Into the most enclosed place that 200 random rays find, then round it while the tool tilts by
-/// 10 degrees; a second. Empty where no ray meets anything.
+/// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch, then
+/// round it while the tool tilts by 10 degrees; a second. Empty where no way meets anything.
 [[nodiscard]] Trajectory cavityPath(ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
 /// As in the paper's Figure 6: from a random direction towards the centre at an even 50 mm/s, from
-/// 8 mm before to 1.5 mm behind the first touch of the tip; then still for 0.1 s. Empty where the
+/// 8 mm before to 1.5 mm behind the first touch; then still for 0.1 s. Empty where the
 /// ray meets nothing.
 [[nodiscard]] Trajectory randomPath(ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
