@@ -158,7 +158,7 @@ std::string frontSvg(const TradeReport& report) {
            (chosen || own ? "7" : "4") + "\" fill=\"" + (point->onFront ? kAccent : kGrey) +
            "\"><title>" + xmlText(point->name) + "</title></circle>\n";
     if (own) svg += textAt(x + 10, y - 8, "start", chosen ? "default, chosen" : "default");
-    if (chosen && !own) svg += textAt(x + 10, y - 8, "start", "chosen: " + point->name);
+    if (chosen && !own) svg += textAt(x + 10, y - 26, "start", "chosen: " + point->name);
   }
   return page(800, 490, svg);
 }

@@ -17,7 +17,7 @@ std::string format(const char* text, double value) {
 
 /// The better the lower.
 auto rankOf(const TradePoint& point) {
-  return std::tuple(point.errors.force_N.p95, point.errors.depth_mm.p95, point.cost.p999_us);
+  return std::tuple(point.errors.force_N.p95, point.errors.depth_mm.p95);
 }
 
 bool beats(const TradePoint& a, const TradePoint& b) {

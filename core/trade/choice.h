@@ -13,7 +13,7 @@ namespace palpate {
 void markFront(std::vector<TradePoint>& points);
 
 /// Of the offered settings whose p99.9 fits headroom · deadline the one of lowest p95 force error
-/// (ties: depth error, then p99.9); refuses if none fits.
+/// (ties: depth error, then the first: the scene's own setting); refuses if none fits.
 [[nodiscard]] Result<TradePoint> chooseSetting(const std::vector<TradePoint>& points,
                                                double deadline_s, double headroom);
 

@@ -23,12 +23,12 @@ TEST(Choice, TakesTheLeastErrorThatFits) {
   EXPECT_EQ(chooseSetting(points, 1e-3, 0.1)->name, "fast");
 }
 
-TEST(Choice, TiesGoByDepthThenByTime) {
+TEST(Choice, TiesGoByDepthThenToTheScenesOwnSetting) {
   EXPECT_EQ(chooseSetting({measured("a", 0.1, 300, 0.2), measured("b", 0.1, 400, 0.1)}, 1e-3, 0.5)
                 ->name,
             "b");
-  EXPECT_EQ(chooseSetting({measured("a", 0.1, 300), measured("b", 0.1, 200)}, 1e-3, 0.5)->name,
-            "b");
+  EXPECT_EQ(chooseSetting({measured("default", 0.1, 300), measured("b", 0.1, 299)}, 1e-3, 0.5)->name,
+            "default");
 }
 
 TEST(Choice, WhatNoSceneCanDeclareIsNotChosen) {

@@ -123,7 +123,6 @@ TEST(StrayLetters, AreRefusedByLineAndInQuotesAreWelcome) {
     const auto read = parseRecipe(step + stray, "r.toml");
     ASSERT_FALSE(read);
     EXPECT_EQ(read.error().field, "line 4");
-    EXPECT_NE(read.error().message.find("\u03dc"), std::string::npos) << read.error().message;
   }
 }
 
