@@ -192,7 +192,7 @@ TEST_F(OnABall, ExplainSaysWhatIsModelled) {
   const json found = result({"simulate", at("case"), "--seconds", "0.01", "--explain"});
   ASSERT_TRUE(found["plan"].is_array());
   ASSERT_FALSE(found["plan"].empty());
-  for (const json& row : found["plan"]) expectKeys(row, {"what", "modelled", "why", "bytes"});
+  for (const json& row : found["plan"]) expectKeys(row, {"what", "modelled", "why", "us", "bytes"});
 }
 
 TEST_F(OnABall, StepsHaveTheirColumnsAndARowAStep) {
