@@ -66,8 +66,8 @@ Result<void> choose(const TradeoffOptions& options, const PreparedScene& scene,
   if (!chosen) return fail(chosen.error());
   report.chosen = std::move(*chosen);
   request.seed = report.checkedSeed = options.seed + 1;
-  auto checked = measureSetting(
-      scene, request, {report.chosen->name, report.chosen->setting, {}, {}}, progress);
+  auto checked = measureSetting(scene, request,
+                                {report.chosen->name, report.chosen->setting, {}, {}}, progress);
   if (!checked) return fail(checked.error());
   report.checked = std::move(*checked);
   return {};

@@ -156,8 +156,8 @@ class Desktop {
   std::string tradeKey_;          ///< What trade_ holds for.
   std::optional<TradeMemo> trade_;
   std::string appliedTrade_ = "default";  ///< The row whose setting the scene has.
-  Histogram frames_;         ///< Of a soak: what a frame takes.
-  FrameReport frameReport_;  ///< Of a script.
+  Histogram frames_;                      ///< Of a soak: what a frame takes.
+  FrameReport frameReport_;               ///< Of a script.
   bool startAfterPrepare_ = false, refused_ = false, closing_ = false;
   Error refusal_;
   LabelWorker labelWorker_;

@@ -153,7 +153,7 @@ ui::JobModel LabelWorker::model() const {
   model.active = true;
   model.title = request->kind == Kind::Restored ? "Restoring the labels"
                 : request->kind == Kind::Joined ? "Taking the labels of the file"
-                                                 : toolTitle(request->step.tool);
+                                                : toolTitle(request->step.tool);
   if (drawing_) model.title = "Drawing the surface";
   model.what = cancel_->cancelled() ? "Cancelling" : what_;
   model.fraction = fraction_;
@@ -206,9 +206,9 @@ void LabelWorker::deliver(Outcome outcome, std::uint64_t generation) {
 Result<SharedLabels> LabelWorker::labelsAfter(const Request& request, const Volume& volume,
                                               const CountedLabels& before, Outcome& outcome) {
   if (request.kind == Kind::Joined) {
-    auto joined = joinLabels(request.file, volume.geometry, request.only,
-                             {*before.grid, before.table}, rowsOfAnatomies(anatomies_),
-                             progress(0.0, kWork));
+    auto joined =
+        joinLabels(request.file, volume.geometry, request.only, {*before.grid, before.table},
+                   rowsOfAnatomies(anatomies_), progress(0.0, kWork));
     if (!joined) return fail(joined.error());
     outcome.replaced = std::move(joined->replaced);
     outcome.added = std::move(joined->added);

@@ -35,8 +35,8 @@ std::string machineName() {
 }
 
 ordered_json rowJson(const TradeRow& row) {
-  return {{"name", row.name},           {"depth_mm", row.depth_mm}, {"force_N", row.force_N},
-          {"p99_us", row.p99_us},       {"p999_us", row.p999_us},   {"on_front", row.onFront}};
+  return {{"name", row.name},     {"depth_mm", row.depth_mm}, {"force_N", row.force_N},
+          {"p99_us", row.p99_us}, {"p999_us", row.p999_us},   {"on_front", row.onFront}};
 }
 
 TradeRow rowOf(const ordered_json& json) {
@@ -111,8 +111,7 @@ Result<TradeMemo> measureTradeMemo(const PreparedScene& scene, const SimulationS
 }
 
 std::shared_ptr<const PreparedScene> governed(const std::shared_ptr<const PreparedScene>& scene,
-                                              const SimulationSetting& own,
-                                              const TradeMemo& memo) {
+                                              const SimulationSetting& own, const TradeMemo& memo) {
   std::vector<MeasuredSetting> measured;
   for (const TradeRow& row : memo.rows) {
     const auto setting = settingOfRow(row.name, own, scene->instrument);
@@ -122,8 +121,7 @@ std::shared_ptr<const PreparedScene> governed(const std::shared_ptr<const Prepar
   return with ? *with : scene;
 }
 
-std::optional<SimulationSetting> settingOfRow(const std::string& name,
-                                              const SimulationSetting& own,
+std::optional<SimulationSetting> settingOfRow(const std::string& name, const SimulationSetting& own,
                                               const Instrument& instrument) {
   const double spacing = own.shellSpacing > 0.0 ? own.shellSpacing : instrument.shellSpacing;
   const auto setting = settingNamed(own, optionsAround(own, spacing), name);

@@ -107,8 +107,8 @@ std::string gridOf(const Axes& axes, double limit_us) {
   svg += textAt(axes.x(limit_us) - 6, Axes::kTop + 14, "end", "limit of a step", kQuiet);
   svg += textAt((Axes::kLeft + Axes::kRight) / 2, Axes::kBottom + 40, "middle",
                 "time of a step, 99th percentile", kQuiet);
-  return svg + textAt(Axes::kLeft, Axes::kTop - 14, "start",
-                      "error of the force, 95th percentile", kQuiet);
+  return svg + textAt(Axes::kLeft, Axes::kTop - 14, "start", "error of the force, 95th percentile",
+                      kQuiet);
 }
 
 double ratio(double value, double own) {

@@ -104,8 +104,7 @@ std::string choiceText(const TradeReport& report) {
             "): " + decimal(report.checked->errors.depth_mm.p95, 2) + " mm, " +
             decimal(report.checked->errors.force_N.p95, 2) + " N, " +
             decimal(report.checked->cost.p999_us, 0) + " µs: the promise " +
-            (promiseHeld(chosen, *report.checked) ? "holds" : "does NOT hold") +
-            " within 10 %\n";
+            (promiseHeld(chosen, *report.checked) ? "holds" : "does NOT hold") + " within 10 %\n";
   }
   return text;
 }
@@ -181,7 +180,8 @@ std::string tradeCsv(const TradeReport& report) {
     const TradeErrors& e = point.errors;
     const TradeCost& c = point.cost;
     csv += csvCell(point.name);
-    for (const std::string& text : {point.option, point.value}) csv.append(",").append(csvCell(text));
+    for (const std::string& text : {point.option, point.value})
+      csv.append(",").append(csvCell(text));
     csv.append(point.onFront ? ",1" : ",0").append(point.offered ? ",1" : ",0");
     for (const Spread& s : {e.force_N, e.torque_Nmm, e.depth_mm, e.normal_deg, e.ripple_N,
                             e.jump_N_per_ms, e.rest_mm, e.onset_ms}) {
@@ -192,8 +192,7 @@ std::string tradeCsv(const TradeReport& report) {
     for (const std::uint64_t count : {e.missed, e.extra, e.reference}) {
       csv.append(",").append(std::to_string(count));
     }
-    for (const double value :
-         {c.p50_us, c.p99_us, c.p999_us, c.worst_us, c.testsP50, c.testsP99}) {
+    for (const double value : {c.p50_us, c.p99_us, c.p999_us, c.worst_us, c.testsP50, c.testsP99}) {
       csv.append(",").append(decimal(value, 3));
     }
     csv.append(",").append(std::to_string(c.shellPoints));

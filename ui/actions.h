@@ -159,15 +159,15 @@ namespace palpate::ui {
 using Action =
     std::variant<act::ShowTask, act::OpenCase, act::OpenDemo, act::ForgetRecent, act::Browse,
                  act::Import, act::ImportSeries, act::CloseSeriesList, act::KeepNames,
-                 act::ImportRepaired, act::MeasureTrade, act::ChooseTrade, act::CancelJob, act::DismissMessage,
-                 act::PreviewStep, act::DropPreview, act::ApplyStep, act::EditLabel, act::ShowLabel,
-                 act::ExportLabels, act::KeepFile, act::JoinLabels, act::BrowseLabels, act::Undo,
-                 act::Redo, act::TouchIt, act::ChooseInstrument, act::ChooseDevice, act::ChooseHand,
-                 act::Latch, act::StartStop, act::Record, act::ResetTool, act::ForceOff,
-                 act::ClearFault, act::Arm, act::Grab, act::MoveHand, act::TurnHand,
-                 act::SolverIterations, act::Coupling, act::ConfirmCalibration, act::Reconnect,
-                 act::RefreshSessions, act::ChooseSession, act::Replay, act::PlayPause, act::Scrub,
-                 act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
+                 act::ImportRepaired, act::MeasureTrade, act::ChooseTrade, act::CancelJob,
+                 act::DismissMessage, act::PreviewStep, act::DropPreview, act::ApplyStep,
+                 act::EditLabel, act::ShowLabel, act::ExportLabels, act::KeepFile, act::JoinLabels,
+                 act::BrowseLabels, act::Undo, act::Redo, act::TouchIt, act::ChooseInstrument,
+                 act::ChooseDevice, act::ChooseHand, act::Latch, act::StartStop, act::Record,
+                 act::ResetTool, act::ForceOff, act::ClearFault, act::Arm, act::Grab, act::MoveHand,
+                 act::TurnHand, act::SolverIterations, act::Coupling, act::ConfirmCalibration,
+                 act::Reconnect, act::RefreshSessions, act::ChooseSession, act::Replay,
+                 act::PlayPause, act::Scrub, act::SwitchTheme, act::CloseAnyway, act::StayOpen>;
 using Actions = std::vector<Action>;
 
 }  // namespace palpate::ui

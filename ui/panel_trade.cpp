@@ -58,8 +58,7 @@ std::optional<std::size_t> nearestOnFront(const Plot& plot, const TradeModel& tr
   return best;
 }
 
-void drawDots(const Painter& paint, const Plot& plot, const TradeModel& trade,
-              std::size_t marked) {
+void drawDots(const Painter& paint, const Plot& plot, const TradeModel& trade, std::size_t marked) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImFont* small = paint.fonts.secondary;
   const ImU32 words = packed(paint.theme.secondary);
@@ -122,15 +121,16 @@ void drawTrade(const Painter& paint, const SimulateModel& simulate, const Snapsh
     drawFront(paint, trade);
   }
   if (simulate.running && snapshot != nullptr && snapshot->levels > 0) {
-    keyValue(paint, "Governor",
-             snapshot->level == 0 ? std::string("as chosen")
-                                  : settingWords(snapshot->levelName.data()));
+    keyValue(
+        paint, "Governor",
+        snapshot->level == 0 ? std::string("as chosen") : settingWords(snapshot->levelName.data()));
   }
-  if (button(paint, icon::kCrosshair, trade.rows.empty() ? "Measure" : "Measure again",
-             Emphasis::Normal, -1.0F, simulate.ready && !simulate.running && !busy,
-             "Runs settings over an approach, a slide, a cavity and random approaches, and compares "
-             "what is felt with an exact solution. Takes some seconds; the simulation has to be "
-             "stopped.")) {
+  if (button(
+          paint, icon::kCrosshair, trade.rows.empty() ? "Measure" : "Measure again",
+          Emphasis::Normal, -1.0F, simulate.ready && !simulate.running && !busy,
+          "Runs settings over an approach, a slide, a cavity and random approaches, and compares "
+          "what is felt with an exact solution. Takes some seconds; the simulation has to be "
+          "stopped.")) {
     paint.actions.push_back(act::MeasureTrade{});
   }
 }

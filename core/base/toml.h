@@ -6,8 +6,8 @@
 /// (is_non_ascii_horizontal_whitespace and its vertical sister): undefined behaviour on a broken
 /// file. Here these functions answer "no", and the parser refuses such a letter itself.
 
-#include <cstdint>  // the header below forgets it
 #include <toml++/impl/preprocessor.h>
+#include <cstdint>  // the header below forgets it
 // Between the two lines TOML_UNREACHABLE stands only in functions that return bool.
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

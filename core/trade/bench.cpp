@@ -48,8 +48,8 @@ std::size_t bytesOf(const PreparedScene& scene) {
 
 Bench::Bench(const PreparedScene& base, const TradeRequest& request)
     : base_(base), request_(request), variants_(base) {
-  shape_ = request.shape ? closedForm(*request.shape)
-                         : gridReference(base.labels, feltLabelsOf(base));
+  shape_ =
+      request.shape ? closedForm(*request.shape) : gridReference(base.labels, feltLabelsOf(base));
 }
 
 Result<Bench> Bench::create(const PreparedScene& base, const TradeRequest& request,
@@ -104,8 +104,7 @@ Result<void> Bench::addMotions(const Progress& progress) {
     Motion motion;
     motion.trajectory = std::move(all[i]);
     ReferenceRun run;
-    const Pass pass =
-        runReferencePass(base_, *finest_, gains, *shape_, motion.trajectory, &run);
+    const Pass pass = runReferencePass(base_, *finest_, gains, *shape_, motion.trajectory, &run);
     addCost(pass);
     errors.addFelt(motion.trajectory, pass.felt, pass.felt);
     motion.felt = pass.felt;
@@ -153,7 +152,8 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   if (!scene) return fail(scene.error());
   const SimulationSetting& setting = named.setting.simulation;
   const bool exact = named.setting.doublePrecision;
-  const CouplingGains gains = exact ? softened(gainsOf({}), setting.couplingShare) : gainsOf(setting);
+  const CouplingGains gains =
+      exact ? softened(gainsOf({}), setting.couplingShare) : gainsOf(setting);
   micros_.clear();
   slowest_.clear();
   tests_.clear();

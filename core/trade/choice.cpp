@@ -30,10 +30,10 @@ bool beats(const TradePoint& a, const TradePoint& b) {
 
 void markFront(std::vector<TradePoint>& points) {
   for (TradePoint& point : points) {
-    point.onFront = point.offered &&
-                    std::none_of(points.begin(), points.end(), [&](const TradePoint& other) {
-                      return other.offered && beats(other, point);
-                    });
+    point.onFront =
+        point.offered && std::none_of(points.begin(), points.end(), [&](const TradePoint& other) {
+          return other.offered && beats(other, point);
+        });
   }
 }
 

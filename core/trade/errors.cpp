@@ -61,8 +61,7 @@ std::vector<ProbedPose> probedPoses(const ReferenceRun& run, const Trajectory& t
   for (std::size_t i = 0; i < run.tool.size(); i += stride) {
     ProbedPose pose;
     pose.X_WT = isometry(run.tool[i]);
-    const Eigen::Vector3d pull =
-        position(trajectory.samples[i].pose) - pose.X_WT.translation();
+    const Eigen::Vector3d pull = position(trajectory.samples[i].pose) - pose.X_WT.translation();
     if (pull.norm() < 0.1 * kPressed) continue;  // free: nothing to find
     pose.X_WT.translation() += std::min(1.0, kPressed / pull.norm()) * pull;
     for (const Eigen::Vector3d& p_T : finest.points_T()) {
@@ -135,7 +134,8 @@ void ErrorSamples::addContacts(const PreparedScene& scene, std::span<const Probe
       const Contact& contact = buffer[c];
       found[contact.shellIndex] = true;
       deepest = std::max(deepest, contact.depth);
-      normal_W += contact.depth * (scene.X_WV.linear() * Eigen::Map<const Eigen::Vector3d>(contact.n));
+      normal_W +=
+          contact.depth * (scene.X_WV.linear() * Eigen::Map<const Eigen::Vector3d>(contact.n));
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double d = shape.distance(pose.X_WT * scene.shell->points_T()[i]);

@@ -36,8 +36,8 @@ struct TradeErrors {
 /// What the reference finds at a pose.
 struct ProbedPose {
   Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
-  double deepest = 0.0;                                     ///< m, of the finest shell.
-  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();       ///< Sum of depth times normal.
+  double deepest = 0.0;                                ///< m, of the finest shell.
+  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();  ///< Sum of depth times normal.
 };
 
 /// The reference's poses, every `stride` ticks, pressed 0.4 mm towards the hand: a rigid tool rests

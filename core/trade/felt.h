@@ -32,8 +32,7 @@ struct Pass {
 /// The closed loop of core/simulation.
 /// @param gains  of the device; softened for the scene's step by the caller (recommendedGains).
 [[nodiscard]] Pass runPass(const std::shared_ptr<const PreparedScene>& scene,
-                           const CouplingGains& gains, const Trajectory& trajectory,
-                           int repeats);
+                           const CouplingGains& gains, const Trajectory& trajectory, int repeats);
 
 /// The reference loop with the points of a shell.
 [[nodiscard]] Pass runReferencePass(const PreparedScene& scene, const PointShell& shell,

@@ -41,9 +41,10 @@ std::string whole(std::uint32_t value) {
 }
 
 TradeOption branchings(const Simulation& base) {
-  return numbers<std::uint32_t>(
-      "branching", static_cast<std::uint32_t>(base.tree.branching), {8, 64, 512}, whole,
-      [](TradeSetting& s, std::uint32_t n) { s.simulation.tree.branching = static_cast<Branching>(n); });
+  return numbers<std::uint32_t>("branching", static_cast<std::uint32_t>(base.tree.branching),
+                                {8, 64, 512}, whole, [](TradeSetting& s, std::uint32_t n) {
+                                  s.simulation.tree.branching = static_cast<Branching>(n);
+                                });
 }
 
 TradeOption leaves(const Simulation& base) {
@@ -90,18 +91,19 @@ std::vector<TradeOption> optionsAround(const SimulationSetting& base, double spa
                             [](Simulation& s) -> bool& { return s.query.oneChildSkip; }));
   options.push_back(flipped("side-offset", base.query.sideOffset,
                             [](Simulation& s) -> bool& { return s.query.sideOffset; }));
-  options.push_back(numbers<std::uint32_t>(
-      "stop-level", static_cast<std::uint32_t>(base.query.stopLevel), {0, 1, 2}, whole,
-      [](TradeSetting& s, std::uint32_t n) { s.simulation.query.stopLevel = static_cast<int>(n); }));
+  options.push_back(numbers<std::uint32_t>("stop-level",
+                                           static_cast<std::uint32_t>(base.query.stopLevel),
+                                           {0, 1, 2}, whole, [](TradeSetting& s, std::uint32_t n) {
+                                             s.simulation.query.stopLevel = static_cast<int>(n);
+                                           }));
   options.push_back(numbers<std::uint32_t>(
       "budget", base.query.contactBudget, {8, 32, 128}, whole,
       [](TradeSetting& s, std::uint32_t n) { s.simulation.query.contactBudget = n; }));
-  options.push_back(lengths(
-      "perceptual", base.query.perceptualBound, {0.25e-3, 0.5e-3, 1e-3, 2e-3},
-      [](TradeSetting& s, double m) { s.simulation.query.perceptualBound = m; }));
-  options.push_back(lengths(
-      "shell", spacing, {0.5 * spacing, 2.0 * spacing, 4.0 * spacing},
-      [](TradeSetting& s, double m) { s.simulation.shellSpacing = m; }));
+  options.push_back(
+      lengths("perceptual", base.query.perceptualBound, {0.25e-3, 0.5e-3, 1e-3, 2e-3},
+              [](TradeSetting& s, double m) { s.simulation.query.perceptualBound = m; }));
+  options.push_back(lengths("shell", spacing, {0.5 * spacing, 2.0 * spacing, 4.0 * spacing},
+                            [](TradeSetting& s, double m) { s.simulation.shellSpacing = m; }));
   options.push_back(flipped("coherence", base.query.coherence,
                             [](Simulation& s) -> bool& { return s.query.coherence; }));
   options.push_back(numbers<std::uint32_t>(
@@ -114,8 +116,7 @@ std::vector<TradeOption> optionsAround(const SimulationSetting& base, double spa
       "rate", base.stepPeriod, {1e-3, 2e-3, 5e-3, 10e-3},
       [](double s) { return format("%.0fHz", 1.0 / s); },
       [](TradeSetting& s, double period) { s.simulation.stepPeriod = period; }));
-  options.push_back(
-      {"precision", {{"double", [](TradeSetting& s) { s.doublePrecision = true; }}}});
+  options.push_back({"precision", {{"double", [](TradeSetting& s) { s.doublePrecision = true; }}}});
   return options;
 }
 

@@ -21,8 +21,8 @@ double weightedPercentile(const std::vector<Weighted>& values,
   std::size_t all = 0;
   for (const Weighted& v : values) all += drawn[v.motion];
   if (all == 0) return 0.0;
-  const auto rank = static_cast<std::size_t>(
-      std::max(std::ceil(share * static_cast<double>(all)), 1.0));
+  const auto rank =
+      static_cast<std::size_t>(std::max(std::ceil(share * static_cast<double>(all)), 1.0));
   std::size_t seen = 0;
   for (const Weighted& v : values) {
     seen += drawn[v.motion];

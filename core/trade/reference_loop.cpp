@@ -15,8 +15,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kTick = 1e-3;
 constexpr int kParts = 2;
-constexpr double kMargin = 0.15e-3;    // m: farther than a point moves in a part at 0.3 m/s
-constexpr double kFastestOut = 0.1;    // m/s: a start inside is not shot out
+constexpr double kMargin = 0.15e-3;  // m: farther than a point moves in a part at 0.3 m/s
+constexpr double kFastestOut = 0.1;  // m/s: a start inside is not shot out
 constexpr int kMostSweeps = 400;
 constexpr double kConverged = 1e-6;    // m/s: some 1e-4 N for the lightest instrument
 constexpr double kDampingRatio = 0.7;  // of the tool on its coupling (core/dynamics/tool_body.h)
@@ -29,13 +29,13 @@ Eigen::Matrix3d crossOf(const Eigen::Vector3d& r) {
 
 /// A point that is near: how it moves with the twist of T's origin, and its impulse so far.
 struct NearPoint {
-  Eigen::Matrix3d frame;                        // rows: normal, two tangents
-  Eigen::Matrix<double, 3, 6> jacobian;         // twist to velocity in `frame`
-  Eigen::Matrix<double, 6, 3> answer;           // impulse in `frame` to twist
+  Eigen::Matrix3d frame;                 // rows: normal, two tangents
+  Eigen::Matrix<double, 3, 6> jacobian;  // twist to velocity in `frame`
+  Eigen::Matrix<double, 6, 3> answer;    // impulse in `frame` to twist
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
-  double leastSpeed = 0.0;                      // m/s along the normal
+  double leastSpeed = 0.0;  // m/s along the normal
   double friction = 0.0;
-  std::size_t index = 0;                        // in the shell
+  std::size_t index = 0;  // in the shell
 };
 
 class Loop {
@@ -43,8 +43,8 @@ class Loop {
   Loop(const ReferenceTool& tool, ReferenceShape& shape) : tool_(tool), shape_(shape) {
     const double arm2 = tool.mass.p_TC.squaredNorm();
     const double inertiaO = tool.mass.I_C.trace() + tool.mass.mass * arm2;
-    dampingT_ = std::max(tool.damping,
-                         2.0 * kDampingRatio * std::sqrt(tool.stiffness * tool.mass.mass));
+    dampingT_ =
+        std::max(tool.damping, 2.0 * kDampingRatio * std::sqrt(tool.stiffness * tool.mass.mass));
     dampingTR_ =
         std::max(tool.dampingR, 2.0 * kDampingRatio * std::sqrt(tool.stiffnessR * inertiaO));
     for (const Eigen::Vector3d& p : tool.points_T) lever_.push_back(p.norm());
@@ -84,8 +84,8 @@ class Loop {
   }
 
   /// Backward Euler about T's origin: (M + h B + h² K) u = M u0 + h (K e + B u_d).
-  void step(const Eigen::Vector3d& goal, const Eigen::Quaterniond& turned,
-            const Eigen::Vector3d& v, const Eigen::Vector3d& w, double h) {
+  void step(const Eigen::Vector3d& goal, const Eigen::Quaterniond& turned, const Eigen::Vector3d& v,
+            const Eigen::Vector3d& w, double h) {
     const Eigen::Matrix3d R = q_.toRotationMatrix();
     const Eigen::Vector3d arm = R * tool_.mass.p_TC;
     const double m = tool_.mass.mass;

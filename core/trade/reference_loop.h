@@ -2,9 +2,9 @@
 /// The tool on its coupling against a reference shape: an own, slow solution of the same problem.
 ///
 /// Shares no code with core/collision, core/dynamics or core/simulation. A rigid body on the
-/// coupling of core/haptics must not enter the shape; friction is Coulomb's. Two parts a servo tick;
-/// in each the velocity is found by backward Euler for the coupling and by Gauss-Seidel over every
-/// point nearer than a margin for the contacts (Signorini's and Coulomb's conditions on the
+/// coupling of core/haptics must not enter the shape; friction is Coulomb's. Two parts a servo
+/// tick; in each the velocity is found by backward Euler for the coupling and by Gauss-Seidel over
+/// every point nearer than a margin for the contacts (Signorini's and Coulomb's conditions on the
 /// velocity, Moreau's time stepping), to convergence. So nothing is left in, nothing is cut, no
 /// contact is chosen before another.
 
@@ -21,7 +21,7 @@ namespace palpate {
 
 struct ReferenceTool {
   MassProperties mass;
-  std::vector<Eigen::Vector3d> points_T;  ///< The finest shell.
+  std::vector<Eigen::Vector3d> points_T;                            ///< The finest shell.
   double stiffness = 0, damping = 0, stiffnessR = 0, dampingR = 0;  ///< Of the coupling, SI.
   /// Coulomb's coefficient at a place of the surface, W; empty: none.
   std::function<double(const Eigen::Vector3d& p_W)> frictionAt;

@@ -19,7 +19,8 @@ class ReferenceShape {
   virtual ~ReferenceShape() = default;
   /// m: above 0 outside, below 0 inside; +infinity where nothing is defined.
   [[nodiscard]] virtual double distance(const Eigen::Vector3d& p_W) = 0;
-  /// m: how far a point can move at least before distance() falls below `margin`; 0 is always right.
+  /// m: how far a point can move at least before distance() falls below `margin`; 0 is always
+  /// right.
   [[nodiscard]] virtual double clearance(const Eigen::Vector3d& p_W, double margin) = 0;
   /// Outward unit normal at a point where distance() is finite.
   [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& p_W) = 0;

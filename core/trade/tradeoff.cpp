@@ -132,13 +132,13 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
   const SimulationSetting& own = base.scene.setting;
   auto options = optionsAround(own, bench->variants().spacingOf(own));
   const bool quick = request.effort == TradeEffort::Quick;
-  if (quick) std::erase_if(options, [](const auto& option) { return !kQuick.contains(option.name); });
+  if (quick)
+    std::erase_if(options, [](const auto& option) { return !kQuick.contains(option.name); });
 
   TradeSweep sweep;
   sweep.seed = request.seed;
-  sweep.reference = request.shape
-                        ? std::string("the closed form of the ") + nameOf(*request.shape)
-                        : "the labels' own resolution, searched by brute force";
+  sweep.reference = request.shape ? std::string("the closed form of the ") + nameOf(*request.shape)
+                                  : "the labels' own resolution, searched by brute force";
   sweep.reference += ", in double precision, with a shell of half the spacing";
   sweep.trajectories = bench->names();
   sweep.points.push_back(bench->reference());

@@ -32,12 +32,12 @@ enum class TradeEffort : std::uint8_t { Quick, Whole, Full };
 struct TradeRequest {
   std::uint64_t seed = 1;
   TradeEffort effort = TradeEffort::Whole;
-  DeviceInfo device;                    ///< Its coupling.
-  std::optional<KnownShape> shape;      ///< The scene's labels are voxelsOf() this.
+  DeviceInfo device;                ///< Its coupling.
+  std::optional<KnownShape> shape;  ///< The scene's labels are voxelsOf() this.
   /// `Quick` tries the best setting that fits this step time once more, with each change that a
   /// running simulation can make (governor_ladder.h): what a governor steps down to. 0: none.
   double limit_us = 0.0;
-  std::vector<Trajectory> recorded;     ///< Motions of sessions, besides the made ones.
+  std::vector<Trajectory> recorded;  ///< Motions of sessions, besides the made ones.
 };
 
 struct TradeCost {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "core/geometry/pose.h"
-#include "core/simulation/approach.h"
 #include "core/session/replay.h"
+#include "core/simulation/approach.h"
 #include "core/simulation/fingerprint.h"
 
 namespace palpate {
@@ -132,7 +132,8 @@ int enclosure(ReferenceShape& shape, const Eigen::Vector3d& p) {
     const Eigen::Vector3d d(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
     if (d.isZero()) continue;
     bool hit = false;
-    for (double s = 1e-3; s <= 8e-3 && !hit; s += 1e-3) hit = shape.distance(p + s * d.normalized()) < 0.0;
+    for (double s = 1e-3; s <= 8e-3 && !hit; s += 1e-3)
+      hit = shape.distance(p + s * d.normalized()) < 0.0;
     met += hit ? 1 : 0;
   }
   return met;
@@ -184,8 +185,8 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
   Random random(seed);
   const double heading = 2.0 * kPi * random.uniform();
   const double rate = 0.8 + 0.4 * random.uniform();
-  Trajectory path{"slide", sampled(overTheDevice(scene, kDown_s, heading, rate), kDown_s + kSlide_s), 0,
-                  true};
+  Trajectory path{
+      "slide", sampled(overTheDevice(scene, kDown_s, heading, rate), kDown_s + kSlide_s), 0, true};
   path.restFrom = path.samples.size();
   return path;
 }
@@ -216,8 +217,7 @@ Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint
         const double height = kReach - (kReach + kBelow) * eased(t / kIn_s);
         const double turn = 2.0 * kPi * eased((t - kIn_s) / kRound_s);
         const Eigen::Vector3d around = kRound * (std::sin(turn) * u + (1.0 - std::cos(turn)) * v);
-        const Eigen::Vector3d leaning =
-            Eigen::AngleAxisd(kTilt * std::sin(turn), u) * out;
+        const Eigen::Vector3d leaning = Eigen::AngleAxisd(kTilt * std::sin(turn), u) * out;
         return tipFirst(site + height * out + around, leaning, 0.0);
       },
       kIn_s + kRound_s);

@@ -26,9 +26,9 @@ struct Trajectory {
 /// Where rays towards the anatomy come from.
 struct Surround {
   Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
-  double radius = 0.0;                                ///< m, holds all that is felt.
-  Eigen::Vector3d up_W = Eigen::Vector3d::UnitY();    ///< +y of the device.
-  double leastCosine = -1.0;                          ///< Of a direction with up: -1 from anywhere.
+  double radius = 0.0;                              ///< m, holds all that is felt.
+  Eigen::Vector3d up_W = Eigen::Vector3d::UnitY();  ///< +y of the device.
+  double leastCosine = -1.0;                        ///< Of a direction with up: -1 from anywhere.
   /// A few points of the instrument: what touches first on the way in. The tip alone would let a
   /// hand push a burr far into the rim of a narrow hole.
   std::vector<Eigen::Vector3d> points_T{Eigen::Vector3d::Zero()};
@@ -38,11 +38,11 @@ struct Surround {
 
 /// 10 mm down along -y of D to 1.5 mm below its origin within a second; then still for 0.3 s.
 [[nodiscard]] Trajectory approachPath(const PreparedScene& scene);
-/// Down as well, within half a second, then a second to and fro within 8 mm. The seed turns and times
-/// the slide.
+/// Down as well, within half a second, then a second to and fro within 8 mm. The seed turns and
+/// times the slide.
 [[nodiscard]] Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed);
-/// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch, then
-/// round it while the tool tilts by 10 degrees; a second. Empty where no way meets anything.
+/// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch,
+/// then round it while the tool tilts by 10 degrees; a second. Empty where no way meets anything.
 [[nodiscard]] Trajectory cavityPath(ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
 /// As in the paper's Figure 6: from a random direction towards the centre at an even 50 mm/s, from

@@ -309,8 +309,8 @@ TEST_F(OnABall, TradeoffTakesARecordedMotion) {
 }
 
 TEST_F(OnABall, AKnownShapeIsMeasuredAgainstItsClosedForm) {
-  const json found = result({"tradeoff", "--shape", "plane", "--voxel", "2", "--quick", "--choose",
-                             "--deadline", "1s"});
+  const json found = result(
+      {"tradeoff", "--shape", "plane", "--voxel", "2", "--quick", "--choose", "--deadline", "1s"});
   EXPECT_EQ(found["reference"],
             "the closed form of the plane, in double precision, with a shell of half the spacing");
 }

@@ -24,11 +24,12 @@ TEST(Choice, TakesTheLeastErrorThatFits) {
 }
 
 TEST(Choice, TiesGoByDepthThenToTheScenesOwnSetting) {
-  EXPECT_EQ(chooseSetting({measured("a", 0.1, 300, 0.2), measured("b", 0.1, 400, 0.1)}, 1e-3, 0.5)
-                ->name,
-            "b");
-  EXPECT_EQ(chooseSetting({measured("default", 0.1, 300), measured("b", 0.1, 299)}, 1e-3, 0.5)->name,
-            "default");
+  EXPECT_EQ(
+      chooseSetting({measured("a", 0.1, 300, 0.2), measured("b", 0.1, 400, 0.1)}, 1e-3, 0.5)->name,
+      "b");
+  EXPECT_EQ(
+      chooseSetting({measured("default", 0.1, 300), measured("b", 0.1, 299)}, 1e-3, 0.5)->name,
+      "default");
 }
 
 TEST(Choice, WhatNoSceneCanDeclareIsNotChosen) {
@@ -50,8 +51,8 @@ TEST(Choice, RefusesWhenNothingFits) {
 }
 
 TEST(Front, HoldsWhatNothingBeats) {
-  std::vector<TradePoint> points = {measured("a", 0.1, 300), measured("b", 0.2, 100),
-                                    measured("beaten", 0.2, 200), measured("worse", 0.3, 100),
+  std::vector<TradePoint> points = {measured("a", 0.1, 300),         measured("b", 0.2, 100),
+                                    measured("beaten", 0.2, 200),    measured("worse", 0.3, 100),
                                     measured("twin of a", 0.1, 300), measured("not offered", 0, 1)};
   points.back().offered = false;
   markFront(points);

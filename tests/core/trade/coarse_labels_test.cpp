@@ -32,8 +32,8 @@ TEST(CoarseLabels, WhatIsLeftAtTheEndCountsByItself) {
 TEST(CoarseLabels, ACoarseVoxelIsWhereItsPartsAre) {
   const LabelGrid fine = grid({4, 4, 4}, std::vector<std::uint8_t>(64, 1));
   const LabelGrid coarse = coarseLabels(fine, 2);
-  const Eigen::Vector3d parts = 0.5 * (fine.geometry.centre_V(2, 0, 2) +
-                                       fine.geometry.centre_V(3, 1, 3));
+  const Eigen::Vector3d parts =
+      0.5 * (fine.geometry.centre_V(2, 0, 2) + fine.geometry.centre_V(3, 1, 3));
   EXPECT_LT((coarse.geometry.X_PV * coarse.geometry.centre_V(1, 0, 1) - fine.geometry.X_PV * parts)
                 .norm(),
             1e-15);

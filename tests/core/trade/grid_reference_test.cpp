@@ -23,8 +23,7 @@ RandomAnatomy randomAnatomy(std::uint64_t seed) {
   LabelGrid& grid = *made.grid;
   grid.geometry.dims = {24, 20, 17};
   for (int axis = 0; axis < 3; ++axis) grid.geometry.spacing[axis] = 1e-3 * (0.4 + part(random));
-  grid.geometry.X_PV =
-      Eigen::AngleAxisd(part(random), Eigen::Vector3d(1, 2, 3).normalized());
+  grid.geometry.X_PV = Eigen::AngleAxisd(part(random), Eigen::Vector3d(1, 2, 3).normalized());
   grid.geometry.X_PV.translation() = Eigen::Vector3d(0.02, -0.3, 0.1);
   grid.labels.assign(grid.geometry.voxelCount(), 0);
   for (int blob = 0; blob < 9; ++blob) {
@@ -79,8 +78,7 @@ TEST(GridReference, AgreesWithTheTreeOnContactsDepthsAndNormals) {
         ++inside;
         ASSERT_NE(at[i], nullptr) << i << " at " << d;
         EXPECT_NEAR(at[i]->depth, -d, near);
-        const Eigen::Vector3d n =
-            g.X_PV.linear() * Eigen::Map<const Eigen::Vector3d>(at[i]->n);
+        const Eigen::Vector3d n = g.X_PV.linear() * Eigen::Map<const Eigen::Vector3d>(at[i]->n);
         EXPECT_GT(n.dot(reference->normal(p_W)), 0.999) << i;
       } else if (d > near) {
         EXPECT_EQ(at[i], nullptr) << i << " at " << d;
@@ -104,7 +102,8 @@ TEST(GridReference, AClearanceIsNeverTooLarge) {
                                                        part(random) * g.dims[2] * g.spacing[2]);
     const double free = reference->clearance(p, kMargin);
     if (free <= 0.0) continue;
-    const Eigen::Vector3d d = Eigen::Vector3d(turn(random), turn(random), turn(random)).normalized();
+    const Eigen::Vector3d d =
+        Eigen::Vector3d(turn(random), turn(random), turn(random)).normalized();
     EXPECT_GE(reference->distance(p + free * d), kMargin - 1e-12);
     ++tried;
   }

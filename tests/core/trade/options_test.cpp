@@ -15,10 +15,9 @@ bool same(const TradeSetting& a, const TradeSetting& b) {
          x.tree.branching == y.tree.branching && x.tree.leaf == y.tree.leaf &&
          x.tree.surfaceOnly == y.tree.surfaceOnly && x.query.method == y.query.method &&
          x.query.tightSpheres == y.query.tightSpheres &&
-         x.query.oneChildSkip == y.query.oneChildSkip &&
-         x.query.sideOffset == y.query.sideOffset && x.query.stopLevel == y.query.stopLevel &&
-         x.query.contactBudget == y.query.contactBudget && x.query.threads == y.query.threads &&
-         x.query.coherence == y.query.coherence &&
+         x.query.oneChildSkip == y.query.oneChildSkip && x.query.sideOffset == y.query.sideOffset &&
+         x.query.stopLevel == y.query.stopLevel && x.query.contactBudget == y.query.contactBudget &&
+         x.query.threads == y.query.threads && x.query.coherence == y.query.coherence &&
          x.query.perceptualBound == y.query.perceptualBound && x.shellSpacing == y.shellSpacing &&
          x.stepPeriod == y.stepPeriod && x.solverIterations == y.solverIterations;
 }
@@ -100,7 +99,8 @@ TEST(Options, PairsAreOfDifferentOptionsAndChangeBoth) {
 TEST(Options, RandomCombinationsFollowTheSeed) {
   SimulationSetting base;
   const auto options = optionsAround(base, kSpacing);
-  const auto once = randomChanges(base, options, 50, 3), again = randomChanges(base, options, 50, 3);
+  const auto once = randomChanges(base, options, 50, 3),
+             again = randomChanges(base, options, 50, 3);
   const auto other = randomChanges(base, options, 50, 4);
   ASSERT_EQ(once.size(), 50U);
   std::set<std::string> names;

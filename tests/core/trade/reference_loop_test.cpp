@@ -65,8 +65,7 @@ TEST_P(Pressed, ABallRestsARadiusAboveTheTopAndTheForceIsThatOfTheSpring) {
   const double lower = GetParam() == KnownShape::Wedge ? 6e-5 : 5e-6;
   EXPECT_NEAR((position(run.tool.back()) - top).z(), kRadius, lower);
   EXPECT_NEAR((position(run.tool.back()) - top).head<2>().norm(), 0.0, 5e-5);
-  const double force =
-      600.0 * (position(run.tool.back()) - position(samples.back().pose)).z();
+  const double force = 600.0 * (position(run.tool.back()) - position(samples.back().pose)).z();
   EXPECT_NEAR(force, 600.0 * pressed, 600.0 * lower + 2e-3);
   EXPECT_LT(run.v.back().norm(), 1e-4);
 }
@@ -106,8 +105,8 @@ TEST(ReferenceLoop, ATurnedHandTurnsTheTool) {
   const Eigen::Quaterniond goal(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 1, 0).normalized()));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].index = i;
-    samples[i].pose = plain(Eigen::Vector3d(0, 0, 20e-3),
-                            i == 0 ? Eigen::Quaterniond::Identity() : goal);
+    samples[i].pose =
+        plain(Eigen::Vector3d(0, 0, 20e-3), i == 0 ? Eigen::Quaterniond::Identity() : goal);
   }
   const auto run = runReference(ballTool(0.0), *shape, samples);
   EXPECT_LT(orientation(run.tool.back()).angularDistance(goal), 1e-4);

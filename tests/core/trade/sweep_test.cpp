@@ -125,8 +125,9 @@ TEST(ExactOptions, ErrAsTheDefaultDoesToTheLastBit) {
   const auto options = optionsAround(scene->scene.setting, 0.5e-3);
   const auto own = bench->measure({"default", {scene->scene.setting}, {}, {}}, {});
   ASSERT_TRUE(own);
-  const std::array<std::string, 7> exact{"branching", "method",    "tight-spheres", "one-child-skip",
-                                         "side-offset", "coherence", "threads"};
+  const std::array<std::string, 7> exact{"branching",      "method",      "tight-spheres",
+                                         "one-child-skip", "side-offset", "coherence",
+                                         "threads"};
   int tried = 0;
   for (const NamedSetting& single : singleChanges(scene->scene.setting, options)) {
     if (std::find(exact.begin(), exact.end(), single.option) == exact.end()) continue;
@@ -281,8 +282,7 @@ TEST_P(OnKnownShape, VoxelsOfAMillimetreErrByTheirSizeAtMost) {
   X_WD.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   X_WD.translation() = topOf(GetParam());
   declared.X_WD = X_WD;
-  const auto scene =
-      prepared(std::make_shared<LabelGrid>(voxelsOf(GetParam(), 1e-3)), declared);
+  const auto scene = prepared(std::make_shared<LabelGrid>(voxelsOf(GetParam(), 1e-3)), declared);
   TradeRequest request = quick();
   request.shape = GetParam();
   auto bench = Bench::create(*scene, request, {});
@@ -291,8 +291,7 @@ TEST_P(OnKnownShape, VoxelsOfAMillimetreErrByTheirSizeAtMost) {
   ASSERT_TRUE(point);
   std::printf("%s: depth median %.3f p95 %.3f mm, force median %.3f p95 %.3f N, rest p95 %.3f mm\n",
               nameOf(GetParam()), point->errors.depth_mm.median, point->errors.depth_mm.p95,
-              point->errors.force_N.median, point->errors.force_N.p95,
-              point->errors.rest_mm.p95);
+              point->errors.force_N.median, point->errors.force_N.p95, point->errors.rest_mm.p95);
   EXPECT_GT(point->errors.reference, 100U);
   EXPECT_LT(point->errors.depth_mm.p95, 1.0);
   EXPECT_GT(point->errors.depth_mm.p95, 0.0);
