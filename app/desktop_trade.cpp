@@ -74,6 +74,11 @@ void Desktop::applyTrade(const std::string& name) {
     return [this, scene, prepared] {
       if (simulation_.shared() != scene) return;
       if (!prepared) return complain(prepared.error(), "The simulation is as it was.");
+      for (const PlanRow& now : (*prepared)->plan) {
+        for (PlanRow& shown : model_.simulate.plan) {
+          if (now.what == "governor" && shown.what == now.what) shown = now;
+        }
+      }
       takeScene(*prepared);
     };
   });

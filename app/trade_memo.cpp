@@ -53,7 +53,7 @@ TradeMemo memoOf(const TradeSweep& sweep, const std::string& chosen) {
   for (const TradePoint& point : sweep.points) {
     if (!point.offered) continue;
     memo.rows.push_back({point.name, point.promise.depth_mm, point.promise.force_N,
-                         point.cost.p99_us, point.promise.p999_us, point.onFront});
+                         point.cost.p99_us, point.cost.p999_us, point.onFront});
   }
   std::stable_sort(memo.rows.begin(), memo.rows.end(),
                    [](const TradeRow& a, const TradeRow& b) { return a.p99_us < b.p99_us; });

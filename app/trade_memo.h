@@ -15,8 +15,9 @@
 namespace palpate {
 
 struct TradeRow {
-  std::string name;  ///< Of changes of the scene's own setting; "default": none.
-  double depth_mm = 0, force_N = 0, p99_us = 0, p999_us = 0;  ///< As promised.
+  std::string name;                  ///< Of changes of the scene's own setting; "default": none.
+  double depth_mm = 0, force_N = 0;  ///< As promised.
+  double p99_us = 0, p999_us = 0;    ///< As measured: what the choice went by.
   bool onFront = false;
 };
 
