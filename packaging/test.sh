@@ -62,7 +62,7 @@ sanitized() {
 # The two loops and everything that crosses between threads; not the long runs of a single thread.
 stage_tsan() {
   TSAN_OPTIONS='halt_on_error=1 second_deadlock_stack=1' \
-    sanitized tsan 'base|haptics|simulated_devices|phantom|simulation|session' 'Loose|Pace\.|Overload|LevelChange'
+    sanitized tsan 'base|haptics|simulated_devices|phantom|simulation|session' 'Loose|Pace\.|Overload|LevelChange|Reach\.'
 }
 
 # Everything that reads files or does arithmetic on indices.
