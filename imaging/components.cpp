@@ -1,33 +1,11 @@
 #include "imaging/components.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/base/disjoint_sets.h"
 
 namespace palpate {
 namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  /// The smaller index stays root, so that parts are numbered by their first run.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// The runs, and where each row's begin (one entry more than rows).
 void collectRuns(const std::vector<std::uint8_t>& mask, std::int32_t nx, std::size_t rows,

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 
+#include "core/base/disjoint_sets.h"
 #include "core/voxels/banded_distance.h"
 #include "core/voxels/depth_palette.h"
 
@@ -20,30 +20,6 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 /// A run of free voxels in one row; its set is its number, from 1.
 struct FreeRun {
   std::int32_t first = 0, last = 0;
-};
-
-/// Sets that are joined, with the lowest number as their name.
-class JoinedSets {
- public:
-  std::uint32_t add() {
-    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
-    return parent_.back();
-  }
-  std::uint32_t nameOf(std::uint32_t set) {
-    while (parent_[set] != set) {
-      parent_[set] = parent_[parent_[set]];
-      set = parent_[set];
-    }
-    return set;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = nameOf(a);
-    b = nameOf(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
 };
 
 /// The free runs of a grid, row after row, and which are connected.
@@ -66,7 +42,7 @@ class FreeSpace {
     for (std::int32_t k = 0; k < dims_[2]; ++k) {
       for (std::int32_t j = 0; j < dims_[1]; ++j, ++row) {
         for (std::size_t r = rowStart_[row]; r < rowStart_[row + 1]; ++r) {
-          const std::uint32_t name = sets_.nameOf(static_cast<std::uint32_t>(r + 1));
+          const std::uint32_t name = sets_.root(static_cast<std::uint32_t>(r + 1));
           if (name == kOutside) continue;
           if (number[name] == kNone) {
             number[name] = static_cast<std::uint32_t>(found.cavity.size());
@@ -133,7 +109,7 @@ class FreeSpace {
   const Extent3 dims_;
   std::vector<FreeRun> runs_;
   std::vector<std::size_t> rowStart_;
-  JoinedSets sets_;
+  DisjointSets sets_;
 };
 
 // Slices worked on at a time: each slab of distances costs what its reach does besides.
