@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/simulation/felt_voxels.h"
+
 namespace palpate {
 namespace {
 
@@ -65,18 +67,13 @@ Extent extentOf(const LabelGrid& grid, const FeltLabels& felt) {
   const GridGeometry& geometry = grid.geometry;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
-  for (std::int32_t k = 0; k < geometry.dims[2]; ++k) {
-    for (std::int32_t j = 0; j < geometry.dims[1]; ++j) {
-      for (std::int32_t i = 0; i < geometry.dims[0]; ++i) {
-        if (!felt[grid.at(i, j, k)]) continue;
-        sum += Eigen::Vector3d(i, j, k);
-        count += 1.0;
-        const Eigen::Vector3d p_P = geometry.X_PV * geometry.centre_V(i, j, k);
-        if (!extent.any || p_P.z() > extent.highest_P.z()) extent.highest_P = p_P;
-        extent.any = true;
-      }
-    }
-  }
+  forEachFelt(grid, felt, [&](std::size_t, auto i, auto j, auto k) {
+    sum += Eigen::Vector3d(i, j, k);
+    count += 1.0;
+    const Eigen::Vector3d p_P = geometry.X_PV * geometry.centre_V(i, j, k);
+    if (!extent.any || p_P.z() > extent.highest_P.z()) extent.highest_P = p_P;
+    extent.any = true;
+  });
   if (!extent.any) return extent;
   sum /= count;
   extent.centroid_P = geometry.X_PV * geometry.centre_V(sum.x(), sum.y(), sum.z());

@@ -3,25 +3,12 @@
 #include <algorithm>
 
 #include "core/geometry/units.h"
+#include "core/simulation/felt_voxels.h"
 #include "core/voxels/depth_palette.h"
 #include "core/voxels/sealed_cavities.h"
 
 namespace palpate {
 namespace {
-
-/// Calls f(index, p_P) for the voxels of `felt`.
-template <class F>
-void forEachFelt(const LabelGrid& grid, const FeltLabels& felt, F&& f) {
-  const GridGeometry& g = grid.geometry;
-  std::size_t at = 0;
-  for (std::int32_t k = 0; k < g.dims[2]; ++k) {
-    for (std::int32_t j = 0; j < g.dims[1]; ++j) {
-      for (std::int32_t i = 0; i < g.dims[0]; ++i, ++at) {
-        if (felt[grid.labels[at]]) f(at, Eigen::Vector3d(g.X_PV * g.centre_V(i, j, k)));
-      }
-    }
-  }
-}
 
 double distanceTo(const SceneBox& box, const Eigen::Vector3d& p) {
   Eigen::Vector3d off;
@@ -93,7 +80,8 @@ std::shared_ptr<LabelGrid> withinWorkspace(const std::shared_ptr<const LabelGrid
   const double farthest = shell.reach() + kWorkspaceMargin + support;
   const Eigen::Isometry3d X_DW = X_WD.inverse();
   auto near = std::make_shared<LabelGrid>(*grid);
-  forEachFelt(*grid, anatomy, [&](std::size_t at, const Eigen::Vector3d& p_W) {
+  forEachFelt(*grid, anatomy, [&](std::size_t at, auto i, auto j, auto k) {
+    const Eigen::Vector3d p_W = grid->geometry.X_PV * grid->geometry.centre_V(i, j, k);
     if (distanceTo(workspace, X_DW * p_W) <= farthest) return;
     near->labels[at] = 0;
     ++saving.outsideDevice;
@@ -111,7 +99,8 @@ std::shared_ptr<const LabelGrid> withinRegion(std::shared_ptr<const LabelGrid> g
   any.fill(true);
   any[0] = false;
   auto inside = std::make_shared<LabelGrid>(*grid);
-  forEachFelt(*grid, any, [&](std::size_t at, const Eigen::Vector3d& p_P) {
+  forEachFelt(*grid, any, [&](std::size_t at, auto i, auto j, auto k) {
+    const Eigen::Vector3d p_P = grid->geometry.X_PV * grid->geometry.centre_V(i, j, k);
     if (distanceTo(*region, p_P) == 0.0) return;
     saving.outsideRegion += felt[grid->labels[at]] ? 1U : 0U;
     inside->labels[at] = 0;

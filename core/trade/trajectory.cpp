@@ -10,7 +10,7 @@
 
 #include "core/geometry/pose.h"
 #include "core/session/replay.h"
-#include "core/simulation/approach.h"
+#include "core/simulation/felt_voxels.h"
 #include "core/simulation/fingerprint.h"
 
 namespace palpate {
@@ -143,22 +143,15 @@ int enclosure(ReferenceShape& shape, const Eigen::Vector3d& p) {
 
 Surround surroundOf(const PreparedScene& scene) {
   const LabelGrid& grid = *scene.labels;
-  const FeltLabels felt = feltLabelsOf(scene);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
   Eigen::AlignedBox3d box;
-  std::size_t index = 0;
-  for (std::int32_t k = 0; k < grid.geometry.dims[2]; ++k) {
-    for (std::int32_t j = 0; j < grid.geometry.dims[1]; ++j) {
-      for (std::int32_t i = 0; i < grid.geometry.dims[0]; ++i) {
-        if (!felt[grid.labels[index++]]) continue;
-        const Eigen::Vector3d p_V = grid.geometry.centre_V(i, j, k);
-        sum += p_V;
-        count += 1.0;
-        box.extend(p_V);
-      }
-    }
-  }
+  forEachFelt(grid, feltLabelsOf(scene), [&](std::size_t, auto i, auto j, auto k) {
+    const Eigen::Vector3d p_V = grid.geometry.centre_V(i, j, k);
+    sum += p_V;
+    count += 1.0;
+    box.extend(p_V);
+  });
   Surround surround;
   if (count == 0.0) return surround;
   surround.centre_W = scene.X_WV * (sum / count);
