@@ -123,6 +123,7 @@ class Loop {
       if (farther_[i] > 0.0) continue;
       const Eigen::Vector3d r = R * p_T;
       farther_[i] = shape_.clearance(p_ + r, kMargin);
+      if (farther_[i] > 0.0) continue;
       const double d = shape_.distance(p_ + r);
       if (!(d < kMargin)) continue;
       NearPoint point;
