@@ -13,4 +13,11 @@ inline std::string shortNumber(double value) {
   return text;
 }
 
+/// One number in a format of printf's, up to 63 characters: "%.2f mm".
+inline std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
 }  // namespace palpate

@@ -2,19 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string>
 
+#include "core/base/short_number.h"
 #include "core/geometry/units.h"
 
 namespace palpate {
 namespace {
-
-std::string text(const char* format, double value) {
-  std::array<char, 64> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, value);
-  return buffer.data();
-}
 
 std::string nameOf(const LabelTable& table, std::uint8_t value) {
   for (const auto& label : table) {
@@ -30,7 +24,7 @@ void addLabels(const PreparedScene& prepared, const std::vector<std::uint8_t>& f
   for (const std::uint8_t value : feltValues) {
     plan.push_back({"label " + nameOf(prepared.table, value), true,
                     std::to_string(voxels[value]) + " voxels, rigid, friction " +
-                        text("%.2f", prepared.materialOf[value].friction),
+                        formatted("%.2f", prepared.materialOf[value].friction),
                     0});
   }
   for (const auto& label : prepared.table) {
@@ -116,16 +110,18 @@ void addBodies(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
     plan.push_back(
         {"loose body " + body.name, true,
          std::to_string(points) + " surface voxels, " +
-             text("%.2f g", 1e3 * body.massProperties.mass),
+             formatted("%.2f g", 1e3 * body.massProperties.mass),
          stats.topologyBytes + stats.payloadBytes + points * queries * kQueryBytesAPoint});
   }
   const Surroundings& around = prepared.scene.surroundings;
   plan.push_back(
       {"gravity on loose bodies", around.gravity.norm() > 0.0,
-       around.gravity.norm() > 0.0 ? text("%.2f m/s2", around.gravity.norm()) : "switched off", 0});
+       around.gravity.norm() > 0.0 ? formatted("%.2f m/s2", around.gravity.norm()) : "switched off",
+       0});
   plan.push_back(
       {"drag on loose bodies", around.drag > 0.0,
-       around.drag > 0.0 ? text("%.1f of the velocity a second", around.drag) : "switched off", 0});
+       around.drag > 0.0 ? formatted("%.1f of the velocity a second", around.drag) : "switched off",
+       0});
 }
 
 }  // namespace
@@ -139,8 +135,8 @@ PlanRow governorRow(const PreparedScene& prepared) {
   for (const PreparedBody& body : prepared.bodies) points += body.shell->size() * (1 + larger++);
   return {kGovernorRow, true,
           std::to_string(levels.size()) + " levels, to " +
-              text("%.2f of a step's time", levels.back().stepP99_us / levels[0].stepP99_us) +
-              text(" and %.2f N (p95) off", levels.back().forceErrorP95_N),
+              formatted("%.2f of a step's time", levels.back().stepP99_us / levels[0].stepP99_us) +
+              formatted(" and %.2f N (p95) off", levels.back().forceErrorP95_N),
           (levels.size() - 1) * points * kQueryBytesAPoint};
 }
 
@@ -154,8 +150,8 @@ std::vector<PlanRow> planOf(const PreparedScene& prepared,
   addTree(prepared, plan);
   plan.push_back({"instrument " + prepared.instrument.name, true,
                   std::to_string(prepared.shell->size()) + " shell points at " +
-                      text("%.2f mm, ", millimetres(shellSpacing)) +
-                      text("%.1f g", 1e3 * prepared.instrument.massProperties.mass),
+                      formatted("%.2f mm, ", millimetres(shellSpacing)) +
+                      formatted("%.1f g", 1e3 * prepared.instrument.massProperties.mass),
                   prepared.shell->size() * 2 * sizeof(Eigen::Vector3d)});
   addBodies(prepared, plan);
   plan.push_back(
@@ -167,10 +163,10 @@ std::vector<PlanRow> planOf(const PreparedScene& prepared,
   plan.push_back(governorRow(prepared));
   plan.push_back({"friction", setting.friction,
                   setting.friction ? "Coulomb, by pairs of materials" : "switched off", 0});
-  plan.push_back(
-      {"coupling and motion", true,
-       text("%.0f %% of the stiffness recommended for the device", 100.0 * setting.couplingShare),
-       0});
+  plan.push_back({"coupling and motion", true,
+                  formatted("%.0f %% of the stiffness recommended for the device",
+                            100.0 * setting.couplingShare),
+                  0});
   plan.push_back({"device placement", true,
                   prepared.scene.X_WD ? "as the scene says"
                   : approachIsClear   ? "chosen: an even, free patch of surface"

@@ -1,19 +1,13 @@
 #include "core/trade/choice.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
+
+#include "core/base/short_number.h"
 
 namespace palpate {
 namespace {
-
-std::string format(const char* text, double value) {
-  std::array<char, 64> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), text, value);
-  return buffer.data();
-}
 
 /// The better the lower.
 auto rankOf(const TradePoint& point) {
@@ -59,10 +53,10 @@ Result<TradePoint> chooseSetting(const std::vector<TradePoint>& points, double d
   if (best != nullptr) return *best;
   Error error = checkFailed("No measured setting fits the deadline.")
                     .inField("deadline")
-                    .wants(format("a step of at most %.1f us at p99.9", most_us))
+                    .wants(formatted("a step of at most %.1f us at p99.9", most_us))
                     .advise("Allow a longer deadline, or a coarser instrument shell.");
   if (fastest != nullptr) {
-    error.butFound(format("%.1f us, with ", fastest->cost.p999_us) + fastest->name);
+    error.butFound(formatted("%.1f us, with ", fastest->cost.p999_us) + fastest->name);
   }
   return fail(std::move(error));
 }

@@ -1,20 +1,13 @@
 #include "core/trade/options.h"
 
-#include <array>
-#include <cstdio>
 #include <random>
 #include <sstream>
 
+#include "core/base/short_number.h"
 #include "core/geometry/units.h"
 
 namespace palpate {
 namespace {
-
-std::string format(const char* text, double value) {
-  std::array<char, 48> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), text, value);
-  return buffer.data();
-}
 
 using Simulation = SimulationSetting;
 
@@ -70,7 +63,7 @@ TradeOption methods(const Simulation& base) {
 TradeOption lengths(const char* name, double own, const std::vector<double>& values_m,
                     const std::function<void(TradeSetting&, double)>& set) {
   return numbers<double>(
-      name, own, values_m, [](double m) { return format("%.2fmm", millimetres(m)); }, set);
+      name, own, values_m, [](double m) { return formatted("%.2fmm", millimetres(m)); }, set);
 }
 
 }  // namespace
@@ -114,7 +107,7 @@ std::vector<TradeOption> optionsAround(const SimulationSetting& base, double spa
       [](TradeSetting& s, std::uint32_t n) { s.simulation.query.threads = static_cast<int>(n); }));
   options.push_back(numbers<double>(
       "rate", base.stepPeriod, {1e-3, 2e-3, 5e-3, 10e-3},
-      [](double s) { return format("%.0fHz", 1.0 / s); },
+      [](double s) { return formatted("%.0fHz", 1.0 / s); },
       [](TradeSetting& s, double period) { s.simulation.stepPeriod = period; }));
   options.push_back({"precision", {{"double", [](TradeSetting& s) { s.doublePrecision = true; }}}});
   return options;
