@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "app/desktop_loop.h"
+#include "core/base/progress_part.h"
 #include "core/devices/simulated_phantom.h"
 
 namespace palpate {
@@ -94,33 +95,29 @@ void Desktop::chooseSession(std::size_t index) {
 void Desktop::replay() {
   if (!review_.loaded() || jobs_.busy()) return;
   review_.setReplaying(true);
-  jobs_.add(
-      "Replaying the session", [this, file = review_.session().file](const Progress& progress) {
-        const auto part = [&progress](double from, double share) {
-          Progress p;
-          p.cancel = progress.cancel;
-          p.report = [&progress, from, share](double f, const std::string& what) {
-            progress(from + share * f, what);
-          };
-          return p;
-        };
-        Result<ReplayReport> report = fail(cancelled());
-        auto scene = prepareSession(file, part(0.0, 0.3));
-        if (!scene) {
-          report = fail(scene.error());
-        } else {
-          report = replaySession(file, *scene, part(0.3, 0.7), [this](const Snapshot& snapshot) {
-            // A snapshot is large and the screen slow: one in sixteen is seen.
-            if (snapshot.step % 16 == 0) review_.live().publish(snapshot);
-          });
-        }
-        return [this, report] {
-          review_.setReplaying(false);
-          review_.scrub(0.0);
-          if (!report && report.error().kind != ErrorKind::Cancelled) complain(report.error());
-          review_.setVerdict(report);
-        };
-      });
+  jobs_.add("Replaying the session",
+            [this, file = review_.session().file](const Progress& progress) {
+              Result<ReplayReport> report = fail(cancelled());
+              auto scene = prepareSession(file, shareOf(progress, 0.0, 0.3));
+              if (!scene) {
+                report = fail(scene.error());
+              } else {
+                report = replaySession(file, *scene, shareOf(progress, 0.3, 1.0),
+                                       [this](const Snapshot& snapshot) {
+                                         // A snapshot is large and the screen slow: one in sixteen
+                                         // is seen.
+                                         if (snapshot.step % 16 == 0)
+                                           review_.live().publish(snapshot);
+                                       });
+              }
+              return [this, report] {
+                review_.setReplaying(false);
+                review_.scrub(0.0);
+                if (!report && report.error().kind != ErrorKind::Cancelled)
+                  complain(report.error());
+                review_.setVerdict(report);
+              };
+            });
 }
 
 }  // namespace palpate

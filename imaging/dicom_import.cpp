@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/base/counted.h"
+#include "core/base/progress_part.h"
 #include "imaging/dicom_choice.h"
 #include "imaging/dicom_series.h"
 #include "imaging/dicom_volume.h"
@@ -93,22 +94,15 @@ void addWarnings(const std::vector<DicomStack>& stacks, const DicomStack& stack,
 }  // namespace
 
 Result<ImportedScan> importDicom(const ImportRequest& request, const Progress& progress) {
-  const auto part = [&progress](double from, double to) {
-    Progress p;
-    p.cancel = progress.cancel;
-    p.report = [&progress, from, to](double fraction, const std::string& what) {
-      progress(from + (to - from) * fraction, what);
-    };
-    return p;
-  };
-  const auto found = scanDicom(request.path, part(0.0, 0.3));
+  const auto found = scanDicom(request.path, shareOf(progress, 0.0, 0.3));
   if (!found) return fail(found.error());
   const auto stacks = stacksOf(found->files);
   const auto chosen = chooseStack(stacks, *found, request);
   if (!chosen) return fail(chosen.error());
   const DicomStack& stack = **chosen;
   if (auto regular = refuseUnrepaired(stack, request); !regular) return fail(regular.error());
-  auto loaded = loadStack(found->files, stack, part(0.3, stack.needsRepair ? 0.7 : 1.0));
+  auto loaded =
+      loadStack(found->files, stack, shareOf(progress, 0.3, stack.needsRepair ? 0.7 : 1.0));
   if (!loaded) return fail(loaded.error());
   const DicomFile& first = found->files[stack.slices.front().file];
   ImportedScan scan;
@@ -117,7 +111,7 @@ Result<ImportedScan> importDicom(const ImportRequest& request, const Progress& p
   scan.sourceFormat = "DICOM";
   scan.description = withoutNames(first);
   if (stack.needsRepair) {
-    if (auto done = repair(found->files, stack, scan, part(0.7, 1.0)); !done) {
+    if (auto done = repair(found->files, stack, scan, shareOf(progress, 0.7, 1.0)); !done) {
       return fail(done.error());
     }
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <span>
 
+#include "core/base/progress_part.h"
 #include "core/geometry/units.h"
 #include "core/simulation/approach.h"
 #include "core/simulation/fingerprint.h"
@@ -119,18 +120,6 @@ Result<void> checkRegion(const LabelGrid& inside, const FeltLabels& felt,
                   .advise("Correct the region, or remove it from the scene."));
 }
 
-/// Part of a longer piece of work, shown as the share [from, to] of it.
-Progress share(const Progress& progress, double from, double to) {
-  Progress part;
-  part.cancel = progress.cancel;
-  if (progress.report) {
-    part.report = [&progress, from, to](double fraction, const std::string& what) {
-      progress.report(from + (to - from) * fraction, what);
-    };
-  }
-  return part;
-}
-
 }  // namespace
 
 Result<std::shared_ptr<const PreparedScene>> prepareScene(
@@ -190,12 +179,12 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   if (progress.cancelled()) return fail(cancelled());
 
   auto tree = openOrBuildTree(*reachable.labels, *values, scene.setting.tree, treeCache,
-                              share(progress, 0.2, 0.8));
+                              shareOf(progress, 0.2, 0.8));
   if (!tree) return fail(tree.error());
   prepared->tree = std::make_shared<const VoxelTree>(std::move(*tree));
   if (progress.cancelled()) return fail(cancelled());
 
-  if (auto bodies = prepareBodies(*prepared, share(progress, 0.8, 0.95)); !bodies) {
+  if (auto bodies = prepareBodies(*prepared, shareOf(progress, 0.8, 0.95)); !bodies) {
     return fail(bodies.error());
   }
   prepared->fingerprint = fingerprintOf(*prepared, felt);

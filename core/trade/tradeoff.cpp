@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/progress_part.h"
 #include "core/trade/bench.h"
 #include "core/trade/choice.h"
 
@@ -16,15 +17,6 @@ constexpr std::size_t kMatterMost = 5;  // options that are tried in pairs
 const std::set<std::string> kQuick{"leaf", "perceptual", "shell", "iterations", "rate"};
 const std::set<std::string> kQuickNot{"iterations=5",      "iterations=1000",   "perceptual=0.25mm",
                                       "perceptual=0.50mm", "perceptual=2.00mm", "rate=100Hz"};
-
-Progress part(const Progress& whole, double from, double to) {
-  Progress progress;
-  progress.cancel = whole.cancel;
-  progress.report = [&whole, from, to](double fraction, const std::string& what) {
-    whole(from + (to - from) * fraction, what);
-  };
-  return progress;
-}
 
 /// How much a change matters: felt force in units of what a hand can tell, and tests in octaves.
 /// Counts, not times: the same on every machine.
@@ -127,7 +119,7 @@ Result<void> measureAll(Bench& bench, const std::vector<NamedSetting>& settings,
 
 Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& request,
                               const Progress& progress) {
-  auto bench = Bench::create(base, request, part(progress, 0.0, 0.15));
+  auto bench = Bench::create(base, request, shareOf(progress, 0.0, 0.15));
   if (!bench) return fail(bench.error());
   const SimulationSetting& own = base.scene.setting;
   auto options = optionsAround(own, bench->variants().spacingOf(own));
@@ -147,7 +139,7 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
     std::erase_if(singles, [](const NamedSetting& s) { return kQuickNot.contains(s.name); });
   }
   const double end = quick ? 0.75 : 0.4;
-  if (auto done = measureAll(*bench, singles, part(progress, 0.15, end), sweep.points); !done) {
+  if (auto done = measureAll(*bench, singles, shareOf(progress, 0.15, end), sweep.points); !done) {
     return fail(done.error());
   }
   if (!quick) {
@@ -155,14 +147,14 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
     const std::size_t count = request.effort == TradeEffort::Full ? 200 : 50;
     const auto random = randomChanges(own, options, count, request.seed);
     more.insert(more.end(), random.begin(), random.end());
-    if (auto done = measureAll(*bench, more, part(progress, end, 0.98), sweep.points); !done) {
+    if (auto done = measureAll(*bench, more, shareOf(progress, end, 0.98), sweep.points); !done) {
       return fail(done.error());
     }
     sweep.growth = growthOf(sweep.points, *bench);
   }
   if (quick && request.limit_us > 0.0) {
     const auto more = stepsDown(own, options, singles, sweep.points, request.limit_us);
-    if (auto done = measureAll(*bench, more, part(progress, end, 1.0), sweep.points); !done) {
+    if (auto done = measureAll(*bench, more, shareOf(progress, end, 1.0), sweep.points); !done) {
       return fail(done.error());
     }
   }
@@ -173,9 +165,9 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
 
 Result<TradePoint> measureSetting(const PreparedScene& base, const TradeRequest& request,
                                   const NamedSetting& setting, const Progress& progress) {
-  auto bench = Bench::create(base, request, part(progress, 0.0, 0.5));
+  auto bench = Bench::create(base, request, shareOf(progress, 0.0, 0.5));
   if (!bench) return fail(bench.error());
-  return bench->measure(setting, part(progress, 0.5, 1.0));
+  return bench->measure(setting, shareOf(progress, 0.5, 1.0));
 }
 
 }  // namespace palpate
