@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/desktop_signals.h"
+#include "app/device_facts.h"
 #include "core/base/counted.h"
 #include "core/devices/device_list.h"
 #include "core/devices/simulated_phantom.h"
@@ -57,12 +58,8 @@ void DesktopSimulation::setDevice(const std::string& name,
 
 const DeviceInfo& DesktopSimulation::info() {
   if (hardware_) return *hardware_;
-  if (infoOf_ == device_) return info_;
-  const std::string model = device_ == kSpaceMouse ? "touch-x" : device_;
-  const auto device =
-      makeSimulatedPhantom(model, std::make_shared<FollowingHand>(HandTarget{}), kSeed);
-  if (device) {
-    info_ = (*device)->info();
+  if (infoOf_ != device_) {
+    info_ = deviceFacts(device_);
     infoOf_ = device_;
   }
   return info_;

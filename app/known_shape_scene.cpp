@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "app/scene_loading.h"
-#include "core/scene/instrument.h"
 #include "core/scene/material.h"
 
 namespace palpate {
@@ -26,7 +25,7 @@ Result<std::shared_ptr<const PreparedScene>> knownShapeScene(KnownShape shape, d
   Scene scene = defaultScene();
   scene.name = nameOf(shape);
   scene.X_WD = deviceOver(shape);
-  const auto instrument = readInstrument(datasets / "instruments" / (scene.instrument + ".toml"));
+  const auto instrument = instrumentNamed(scene.instrument, datasets);
   if (!instrument) return fail(instrument.error());
   const auto materials = readMaterials(datasets / "materials.toml");
   if (!materials) return fail(materials.error());

@@ -51,6 +51,8 @@ std::string instrumentNames(const fs::path& folder) {
   return list;
 }
 
+}  // namespace
+
 Result<Instrument> instrumentNamed(const std::string& name, const fs::path& datasets) {
   const fs::path folder = datasets / "instruments";
   const fs::path file = folder / (name + ".toml");
@@ -63,8 +65,6 @@ Result<Instrument> instrumentNamed(const std::string& name, const fs::path& data
                   .wants("one of " + instrumentNames(folder))
                   .advise("Choose one with --instrument, or add a file to datasets/instruments."));
 }
-
-}  // namespace
 
 Scene defaultScene() {
   Scene scene;

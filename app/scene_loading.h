@@ -24,6 +24,10 @@ struct SceneOverrides {
 /// Where a scene asks for reach = "device" and names no workspace: that of its device's model.
 void knowWorkspace(Scene& scene);
 
+/// Refuses a name that is none, with the list.
+[[nodiscard]] Result<Instrument> instrumentNamed(const std::string& name,
+                                                 const std::filesystem::path& datasets);
+
 /// CASE (a folder) or SCENE (a scene.toml inside a case). A case without scene.toml gets the
 /// default scene. Refuses a path that is neither, a case without labels, an unknown instrument
 /// (with the list).
