@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/core/simulation/dense_plate.h"
+#include "tests/core/simulation/tape.h"
 
 namespace palpate {
 namespace {
@@ -16,25 +17,6 @@ namespace {
 constexpr double kShell = 0.25e-3;  // 4,300 points on the face
 constexpr double kDeep = 2e-3;
 constexpr double kSeconds = 6.0;
-
-class Tape final : public RunSink {
- public:
-  bool onTick(const ServoSample& sample) noexcept override {
-    ticks.push_back(sample);
-    return true;
-  }
-  bool onStep(const StepRecord& step) noexcept override {
-    steps.push_back(step);
-    return true;
-  }
-  bool onCommand(std::uint64_t step, const Command& command) noexcept override {
-    commands.emplace_back(step, command);
-    return true;
-  }
-  std::vector<ServoSample> ticks;
-  std::vector<StepRecord> steps;
-  std::vector<std::pair<std::uint64_t, Command>> commands;
-};
 
 /// The scene, a ladder measured on one hand's samples, and the headroom that makes the pressed
 /// plate four times too much.
@@ -65,7 +47,7 @@ const Overload& overload() {
 }
 
 Tape governedRun(double phase, RunReport* report = nullptr) {
-  Tape tape;
+  Tape tape(10000);  // steps: more than the run has
   RunOptions options;
   options.sink = &tape;
   options.modelledTime = kCounted;

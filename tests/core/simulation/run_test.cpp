@@ -8,35 +8,10 @@
 #include "core/simulation/runner.h"
 #include "core/simulation/simulation.h"
 #include "tests/core/simulation/synthetic_scene.h"
+#include "tests/core/simulation/tape.h"
 
 namespace palpate {
 namespace {
-
-/// Keeps what the run told, in memory taken beforehand.
-class Tape final : public RunSink {
- public:
-  explicit Tape(std::size_t capacity) {
-    ticks.reserve(capacity);
-    steps.reserve(capacity);
-  }
-  bool onTick(const ServoSample& sample) noexcept override {
-    if (ticks.size() == ticks.capacity()) return false;
-    ticks.push_back(sample);
-    return true;
-  }
-  bool onStep(const StepRecord& step) noexcept override {
-    if (steps.size() == steps.capacity()) return false;
-    steps.push_back(step);
-    return true;
-  }
-  bool onCommand(std::uint64_t step, const Command& command) noexcept override {
-    commands.emplace_back(step, command);
-    return true;
-  }
-  std::vector<ServoSample> ticks;
-  std::vector<StepRecord> steps;
-  std::vector<std::pair<std::uint64_t, Command>> commands;
-};
 
 RunReport virtualRun(const std::shared_ptr<const PreparedScene>& scene, std::uint64_t seed,
                      double seconds, RunSink* sink = nullptr) {

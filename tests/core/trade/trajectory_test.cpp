@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
-
 #include "core/geometry/pose.h"
 #include "tests/core/simulation/synthetic_scene.h"
 
