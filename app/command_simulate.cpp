@@ -281,10 +281,9 @@ std::vector<std::string> warningsOf(const RunReport& report, std::size_t rowsDro
 /// Measured here and now at the scene's own setting, which stays in force while the time suffices.
 Result<std::shared_ptr<const PreparedScene>> withGovernor(
     const std::shared_ptr<const PreparedScene>& scene, const Progress& progress) {
-  const SimulationSetting own = scene->scene.setting;
-  const auto memo = measureTradeMemo(*scene, own, deviceFacts(scene->scene.device), progress);
+  const auto memo = measureTradeMemo(*scene, deviceFacts(scene->scene.device), progress);
   if (!memo) return fail(memo.error());
-  return governed(scene, own, *memo);
+  return governed(scene, scene->scene.setting, *memo);
 }
 
 Result<CommandOutput> runSimulate(const SimulateOptions& options, const CommandContext& context) {

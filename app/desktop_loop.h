@@ -112,7 +112,7 @@ class Desktop {
   void takeScene(const std::shared_ptr<const PreparedScene>& scene);
 
   // desktop_trade.cpp: speed against accuracy
-  void considerTrade(const std::shared_ptr<const PreparedScene>& scene);
+  void considerTrade(const std::string& key);
   void measureTrade();
   void takeTrade(const TradeMemo& memo);
   void chooseTrade(const std::string& name);

@@ -96,33 +96,37 @@ void Desktop::prepare() {
     appliedTrade_ = "default";
   }
   workspace_->showInstrument(instrument);
-  jobs_.addLatest("Building the sphere tree", [this, scene = *scene, instrument,
-                                               labels = open_->labels, materials = materials_,
-                                               folder = open_->folder](const Progress& progress) {
-    auto prepared =
-        prepareScene(scene, labels->grid, labels->table, materials, instrument, progress, folder);
-    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
-    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
-    // Steps alone: the tree of what is left out is not worth its time here.
-    auto plan = prepared ? measuredPlan(*prepared, WholeTree::Skip, progress)
-                         : Result<std::vector<PlanRow>>(std::vector<PlanRow>{});
-    return [this, prepared, labels, bodies, plan] {
-      if (!open_ || open_->labels != labels) return;
-      workspace_->showBodies(*bodies);
-      if (!prepared) {
-        model_.simulate.notReady = sentence(prepared.error());
-        if (prepared.error().kind != ErrorKind::Cancelled) complain(prepared.error());
-        return;
-      }
-      if (plan) model_.simulate.plan = *plan;
-      takeScene(*prepared);
-      considerTrade(*prepared);
-      if (startAfterPrepare_) {
-        startAfterPrepare_ = false;
-        startStop();
-      }
-    };
-  });
+  jobs_.addLatest("Building the sphere tree",
+                  [this, scene = *scene, instrument, labels = open_->labels, materials = materials_,
+                   folder = open_->folder, own = ownSetting_,
+                   device = simulation_.info().model](const Progress& progress) {
+                    auto prepared = prepareScene(scene, labels->grid, labels->table, materials,
+                                                 instrument, progress, folder);
+                    auto bodies = std::make_shared<std::vector<ui::BodySurface>>();
+                    if (prepared) *bodies = bodySurfacesOf(**prepared, progress);
+                    // Steps alone: the tree of what is left out is not worth its time here.
+                    auto plan = prepared ? measuredPlan(*prepared, WholeTree::Skip, progress)
+                                         : Result<std::vector<PlanRow>>(std::vector<PlanRow>{});
+                    const std::string key =
+                        prepared ? tradeKey(**prepared, own, device) : std::string();
+                    return [this, prepared, labels, bodies, plan, key] {
+                      if (!open_ || open_->labels != labels) return;
+                      workspace_->showBodies(*bodies);
+                      if (!prepared) {
+                        model_.simulate.notReady = sentence(prepared.error());
+                        if (prepared.error().kind != ErrorKind::Cancelled)
+                          complain(prepared.error());
+                        return;
+                      }
+                      if (plan) model_.simulate.plan = *plan;
+                      takeScene(*prepared);
+                      considerTrade(key);
+                      if (startAfterPrepare_) {
+                        startAfterPrepare_ = false;
+                        startStop();
+                      }
+                    };
+                  });
 }
 
 }  // namespace palpate

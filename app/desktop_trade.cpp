@@ -15,9 +15,8 @@ ui::TradeRowModel rowModel(const TradeRow& row) {
 
 }  // namespace
 
-/// A scene is ready at the case's own setting, or at the chosen one.
-void Desktop::considerTrade(const std::shared_ptr<const PreparedScene>& scene) {
-  const std::string key = tradeKey(*scene, ownSetting_, simulation_.info().model);
+/// A scene is ready at the case's own setting, or at the chosen one. @param key  tradeKey() of it.
+void Desktop::considerTrade(const std::string& key) {
   if (key == tradeKey_) return showTrade();
   tradeKey_ = key;
   trade_.reset();
@@ -31,9 +30,13 @@ void Desktop::considerTrade(const std::shared_ptr<const PreparedScene>& scene) {
 void Desktop::measureTrade() {
   const auto scene = simulation_.shared();
   if (!scene || simulation_.running()) return;
-  const auto work = [this, scene, own = ownSetting_, device = simulation_.info(),
+  const auto work = [this, scene, own = ownSetting_, changed = appliedTrade_ != "default",
+                     device = simulation_.info(),
                      key = tradeKey_](const Progress& progress) -> JobQueue::Completion {
-    const auto memo = measureTradeMemo(*scene, own, device, progress);
+    Result<std::shared_ptr<const PreparedScene>> declared = scene;
+    if (changed) declared = withSetting(*scene, own, {nullptr, progress.cancel});
+    const auto memo = declared ? measureTradeMemo(**declared, device, progress)
+                               : Result<TradeMemo>(fail(declared.error()));
     return [this, key, memo] {
       if (!memo) return complain(memo.error(), "Nothing was measured.");
       if (key == tradeKey_ && open_) takeTrade(*memo);
@@ -65,23 +68,27 @@ void Desktop::applyTrade(const std::string& name) {
   const auto scene = simulation_.shared();
   const auto setting = scene ? settingOfRow(name, ownSetting_, scene->instrument) : std::nullopt;
   if (!setting || !trade_) return;
-  if (name == appliedTrade_ && !scene->levels.empty()) return;
+  const bool inForce = name == appliedTrade_;
+  if (inForce && !scene->levels.empty()) return;
   appliedTrade_ = name;
-  jobs_.addLatest("Applying the setting", [this, scene, setting = *setting, own = ownSetting_,
-                                           memo = *trade_](const Progress& progress) {
-    auto prepared = withSetting(*scene, setting, progress);
-    if (prepared) prepared = governed(*prepared, own, memo);
-    return [this, scene, prepared] {
-      if (simulation_.shared() != scene) return;
-      if (!prepared) return complain(prepared.error(), "The simulation is as it was.");
-      for (const PlanRow& now : (*prepared)->plan) {
-        for (PlanRow& shown : model_.simulate.plan) {
-          if (now.what == "governor" && shown.what == now.what) shown = now;
-        }
-      }
-      takeScene(*prepared);
-    };
-  });
+  jobs_.addLatest("Applying the setting",
+                  [this, scene, inForce, setting = *setting, own = ownSetting_,
+                   memo = *trade_](const Progress& progress) {
+                    Result<std::shared_ptr<const PreparedScene>> prepared = scene;
+                    if (!inForce) prepared = withSetting(*scene, setting, progress);
+                    if (prepared) prepared = governed(*prepared, own, memo);
+                    return [this, scene, prepared] {
+                      if (simulation_.shared() != scene) return;
+                      if (!prepared)
+                        return complain(prepared.error(), "The simulation is as it was.");
+                      for (const PlanRow& now : (*prepared)->plan) {
+                        for (PlanRow& shown : model_.simulate.plan) {
+                          if (now.what == "governor" && shown.what == now.what) shown = now;
+                        }
+                      }
+                      takeScene(*prepared);
+                    };
+                  });
 }
 
 /// Another case is opened.

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/accuracy.h"
 #include "app/setting_report.h"
 #include "core/base/whole_file.h"
 #include "core/simulation/fingerprint.h"
@@ -94,19 +93,16 @@ Result<void> writeTradeMemo(const fs::path& caseFolder, const std::string& key,
   return writeWholeFile(caseFolder / kFile, json.dump(2) + "\n");
 }
 
-Result<TradeMemo> measureTradeMemo(const PreparedScene& scene, const SimulationSetting& own,
-                                   const DeviceInfo& device, const Progress& progress) {
-  Progress quiet;  // a moment; what takes time is the sweep
-  quiet.cancel = progress.cancel;
-  const auto declared = withSetting(scene, own, quiet);
-  if (!declared) return fail(declared.error());
+Result<TradeMemo> measureTradeMemo(const PreparedScene& declared, const DeviceInfo& device,
+                                   const Progress& progress) {
+  const double period = declared.scene.setting.stepPeriod;
   TradeRequest request;
   request.effort = TradeEffort::Quick;
   request.device = device;
-  request.limit_us = 1e6 * kTradeHeadroom * own.stepPeriod;
-  const auto sweep = sweepTrade(**declared, request, progress);
+  request.limit_us = 1e6 * kTradeHeadroom * period;
+  const auto sweep = sweepTrade(declared, request, progress);
   if (!sweep) return fail(sweep.error());
-  const auto chosen = chooseSetting(sweep->points, own.stepPeriod, kTradeHeadroom);
+  const auto chosen = chooseSetting(sweep->points, period, kTradeHeadroom);
   return memoOf(*sweep, chosen ? chosen->name : "default");
 }
 

@@ -30,7 +30,7 @@ struct TradeMemo {
 [[nodiscard]] TradeMemo memoOf(const TradeSweep& sweep, const std::string& chosen);
 
 /// What the numbers hold for: this scene at its own setting, this device, this machine, this
-/// version. Another key: measure again.
+/// version. Another key: measure again. A pass over all voxels: not for the main thread.
 [[nodiscard]] std::string tradeKey(const PreparedScene& scene, const SimulationSetting& own,
                                    const std::string& device);
 
@@ -42,9 +42,8 @@ struct TradeMemo {
                                           const std::string& key, const TradeMemo& memo);
 
 /// Measures in seconds, chooses under the deadline of the scene's own step.
-/// @param scene  at any setting. @param own  as the case declares it.
-[[nodiscard]] Result<TradeMemo> measureTradeMemo(const PreparedScene& scene,
-                                                 const SimulationSetting& own,
+/// @param declared  at the case's own setting.
+[[nodiscard]] Result<TradeMemo> measureTradeMemo(const PreparedScene& declared,
                                                  const DeviceInfo& device,
                                                  const Progress& progress);
 

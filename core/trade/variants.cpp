@@ -43,6 +43,7 @@ Result<std::shared_ptr<const PreparedScene>> Variants::at(const TradeSetting& se
   auto variant = std::make_shared<PreparedScene>(base_);
   variant->scene.setting = setting.simulation;
   variant->bodies.clear();
+  variant->levels.clear();
   variant->labels = tree->labels;
   variant->X_WV = tree->labels->geometry.X_PV;
   variant->tree = tree->tree;

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Loose bodies are left out: what is measured is the instrument on the anatomy. The base outlives
-/// it.
+/// Loose bodies are left out: what is measured is the instrument on the anatomy; so are the levels
+/// of a governor. The base outlives it.
 class Variants {
  public:
   explicit Variants(const PreparedScene& base);
