@@ -6,7 +6,9 @@
 #include <array>
 #include <cstring>
 
+#include "core/geometry/pose.h"
 #include "core/trade/bench.h"
+#include "core/trade/felt.h"
 #include "core/trade/tradeoff.h"
 #include "tests/core/simulation/synthetic_scene.h"
 
@@ -149,6 +151,44 @@ TEST(Precision, TheReferencesOwnQueryWithTheScenesShellMissesNothing) {
   EXPECT_EQ(exact->errors.missed + exact->errors.extra, 0U);
   // Single precision is worth a micrometre at most: the shell is what errs.
   EXPECT_NEAR(exact->errors.depth_mm.p95, own->errors.depth_mm.p95, 2e-3);
+}
+
+TEST(Levels, OfAGovernorChangeNothingOfWhatASettingIsMeasuredToDo) {
+  const auto scene = prepared(ball());
+  const SimulationSetting own = scene->scene.setting;
+  TradeSetting fewer{own};
+  fewer.simulation.solverIterations = 5;
+  const auto with =
+      withLevels(*scene, ladderOf(own, std::vector<MeasuredSetting>{
+                                           {"default", own, 10.0, 0.1, 0.1},
+                                           {"iterations=5", fewer.simulation, 5.0, 0.2, 0.1}}));
+  ASSERT_TRUE(with);
+  ASSERT_EQ((*with)->levels.size(), 2U);
+  std::vector<TradeErrors> found;
+  for (const auto& base : {scene, *with}) {
+    auto bench = Bench::create(*base, quick(), {});
+    ASSERT_TRUE(bench);
+    const auto point = bench->measure({"iterations=5", fewer, {}, {}}, {});
+    ASSERT_TRUE(point);
+    found.push_back(point->errors);
+  }
+  EXPECT_EQ(std::memcmp(&found[0], &found[1], sizeof found[0]), 0);
+}
+
+TEST(Felt, AStateIsFeltFromItsTickOnNotBefore) {
+  Scene slow;
+  slow.setting.stepPeriod = 5e-3;
+  const auto scene = prepared(ball(), slow);
+  Trajectory path = approachPath(*scene);
+  path.samples.resize(300);  // on its way, free
+  const Pass pass = runPass(scene, recommendedGains({}, 5e-3), path, 1);
+  for (std::size_t i = 0; i < path.samples.size(); ++i) {
+    // Ahead of the hand by less than it moves in a tick: what a state is extrapolated by.
+    EXPECT_LT((pass.felt.tool_W[i] - position(path.samples[i].pose)).norm(), 1e-4) << i;
+    if (i < 5) {
+      EXPECT_EQ(pass.felt.force_W[i].norm(), 0.0) << "nothing holds before the first step's end";
+    }
+  }
 }
 
 // --- Faults: a setting that claims more accuracy than it has. -----------------------------------
