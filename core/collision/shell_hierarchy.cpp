@@ -52,13 +52,15 @@ ShellSphere sphereAround(const Points& points, std::span<const std::uint32_t> ru
     }
     return best;
   };
+  std::uint32_t end = farthest(centre);
   Eigen::Vector3d best = centre;
-  double bestRadius = (points[farthest(centre)] - centre).norm();
+  double bestRadius = (points[end] - centre).norm();
   // Within a per cent of the smallest radius; fewer for the few large nodes, which cost most.
   const int rounds = run.size() <= 256 ? 200 : 40;
   for (int round = 1; round <= rounds; ++round) {
-    centre += (points[farthest(centre)] - centre) / (round + 1.0);
-    const double radius = (points[farthest(centre)] - centre).norm();
+    centre += (points[end] - centre) / (round + 1.0);
+    end = farthest(centre);
+    const double radius = (points[end] - centre).norm();
     if (radius < bestRadius) {
       best = centre;
       bestRadius = radius;
