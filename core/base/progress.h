@@ -19,8 +19,8 @@ class CancelToken {
   std::atomic<bool> cancelled_{false};
 };
 
-/// Handed by const reference to long work. Called on the thread that works; `report` must be
-/// cheap and must not throw. The default reports nowhere and never cancels.
+/// Handed by const reference to long work. Called on a thread that works, one at a time; `report`
+/// must be cheap and must not throw. The default reports nowhere and never cancels.
 struct Progress {
   std::function<void(double fraction, const std::string& what)> report;  ///< fraction in [0, 1]
   const CancelToken* cancel = nullptr;

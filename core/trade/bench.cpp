@@ -1,7 +1,10 @@
 #include "core/trade/bench.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <chrono>
+#include <mutex>
 
 #include "core/geometry/units.h"
 #include "core/simulation/fingerprint.h"
@@ -44,6 +47,20 @@ std::size_t bytesOf(const PreparedScene& scene) {
          scene.shell->size() * 2 * sizeof(Eigen::Vector3d);
 }
 
+/// Calls `work` with every index below `count`, several at once. False: cancelled.
+bool forEach(std::size_t count, const Progress& progress,
+             const std::function<void(std::size_t)>& work) {
+  std::mutex reporting;
+  std::size_t done = 0;
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (progress.cancelled()) return;
+    work(i);
+    const std::lock_guard<std::mutex> lock(reporting);
+    progress(static_cast<double>(++done) / static_cast<double>(count), "Working out what is right");
+  });
+  return !progress.cancelled();
+}
+
 }  // namespace
 
 Bench::Bench(const PreparedScene& base, const TradeRequest& request)
@@ -66,56 +83,83 @@ CouplingGains Bench::gainsOf(const SimulationSetting& setting) const {
   return recommendedGains(request_.device, setting.stepPeriod);
 }
 
-std::vector<Trajectory> Bench::trajectories() {
+std::vector<Bench::Maker> Bench::makers() const {
   const Counts counts = countsOf(request_.effort);
   Surround surround = surroundOf(base_);
   if (request_.shape) {
     surround.up_W = Eigen::Vector3d::UnitZ();
     surround.leastCosine = kShapeCone;
   }
-  std::vector<Trajectory> all;  // sweeps of seeds 1, 2, ... share none but the first
-  all.push_back(approachPath(base_));
+  const std::uint64_t seed = 1000 * request_.seed;  // seeds 1, 2, ... share none but the first
+  const PreparedScene& base = base_;
+  const ReferenceShape& shape = *shape_;
+  std::vector<Maker> all{[&base] { return approachPath(base); }};
   for (std::size_t i = 0; i < counts.slides; ++i) {
-    all.push_back(slidePath(base_, 1000 * request_.seed + i));
+    all.emplace_back([&base, seed, i] { return slidePath(base, seed + i); });
   }
   for (std::size_t i = 0; i < counts.cavities; ++i) {
-    all.push_back(cavityPath(*shape_, surround, 1000 * request_.seed + i));
+    all.emplace_back([=, &shape] { return cavityPath(shape, surround, seed + i); });
   }
   for (std::size_t i = 0; i < counts.random; ++i) {
-    all.push_back(randomPath(*shape_, surround, 1000 * request_.seed + i));
+    all.emplace_back([=, &shape] { return randomPath(shape, surround, seed + i); });
   }
-  all.insert(all.end(), request_.recorded.begin(), request_.recorded.end());
-  std::erase_if(all, [](const Trajectory& path) { return path.samples.empty(); });
+  for (const Trajectory& recorded : request_.recorded) {
+    all.emplace_back([&recorded] { return recorded; });
+  }
   return all;
 }
 
-Result<void> Bench::addMotions(const Progress& progress) {
-  std::vector<Trajectory> all = trajectories();
+Bench::Motion Bench::motionOf(const Maker& make) const {
   const CouplingGains gains = softened(gainsOf({}), base_.scene.setting.couplingShare);
+  Motion motion;
+  motion.trajectory = make();
+  if (motion.trajectory.samples.empty()) return motion;
+  ReferenceRun run;
+  motion.reference = runReferencePass(base_, *finest_, gains, *shape_, motion.trajectory, &run);
+  motion.probed = probedPoses(run, motion.trajectory, *finest_, *shape_,
+                              motion.trajectory.smooth ? kStride : kRandomStride);
+  return motion;
+}
+
+Result<void> Bench::addMotions(const Progress& progress) {
+  const std::vector<Maker> all = makers();
+  motions_.resize(all.size());
+  const auto add = [&](std::size_t i) { motions_[i] = motionOf(all[i]); };
+  if (!forEach(all.size(), progress, add)) return fail(cancelled());
+  std::erase_if(motions_, [](const Motion& motion) { return motion.trajectory.samples.empty(); });
   reference_.name = "reference";
   reference_.offered = false;
   reference_.setting.simulation = base_.scene.setting;
   reference_.setting.simulation.shellSpacing = 0.5 * variants_.spacingOf(base_.scene.setting);
   reference_.setting.doublePrecision = true;
   ErrorSamples errors;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (progress.cancelled()) return fail(cancelled());
-    progress(static_cast<double>(i) / static_cast<double>(all.size()), "Working out what is right");
-    Motion motion;
-    motion.trajectory = std::move(all[i]);
-    ReferenceRun run;
-    const Pass pass = runReferencePass(base_, *finest_, gains, *shape_, motion.trajectory, &run);
-    addCost(pass);
-    errors.addFelt(motion.trajectory, pass.felt, pass.felt);
-    motion.felt = pass.felt;
-    motion.probed = probedPoses(run, motion.trajectory, *finest_, *shape_,
-                                motion.trajectory.smooth ? kStride : kRandomStride);
-    motions_.push_back(std::move(motion));
+  for (const Motion& motion : motions_) {
+    addCost(motion.reference);
+    errors.addFelt(motion.trajectory, motion.reference.felt, motion.reference.felt);
   }
   reference_.errors = errors.errors();
   reference_.cost = costOf(base_, true);
   reference_.cost.shellPoints = finest_->size();
   return {};
+}
+
+const Bench::Judged* Bench::judgedFor(const PreparedScene& scene, const Progress& progress) {
+  const double undecided = undecidedOf(scene);
+  for (const auto& known : judged_) {
+    if (known->shell == scene.shell.get() && known->undecided == undecided) return known.get();
+  }
+  auto judged = std::make_unique<Judged>();
+  judged->shell = scene.shell.get();
+  judged->undecided = undecided;
+  judged->byMotion.resize(motions_.size());
+  const auto judge = [&](std::size_t i) {
+    judged->byMotion[i] = palpate::judged(motions_[i].probed, *scene.shell, *shape_, undecided);
+  };
+  Progress quiet;
+  quiet.cancel = progress.cancel;
+  if (!forEach(motions_.size(), quiet, judge)) return nullptr;
+  judged_.push_back(std::move(judged));
+  return judged_.back().get();
 }
 
 std::vector<std::string> Bench::names() const {
@@ -157,18 +201,21 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   micros_.clear();
   slowest_.clear();
   tests_.clear();
+  const Judged* judged = exact ? nullptr : judgedFor(**scene, progress);
   ErrorSamples errors;
-  for (const Motion& motion : motions_) {
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    const Motion& motion = motions_[i];
     if (progress.cancelled()) return fail(cancelled());
     const Pass pass =
         exact ? runReferencePass(**scene, *(*scene)->shell, gains, *shape_, motion.trajectory)
               : runPass(*scene, gains, motion.trajectory, kRepeats);
     addCost(pass);
-    errors.addFelt(motion.trajectory, pass.felt, motion.felt);
+    errors.addFelt(motion.trajectory, pass.felt, motion.reference.felt);
     if (exact) {
-      errors.addReferenceContacts(**scene, motion.probed, *shape_);
+      errors.addReferenceContacts(motion.probed,
+                                  probedWith(motion.probed, *(*scene)->shell, *shape_));
     } else {
-      errors.addContacts(**scene, motion.probed, *shape_);
+      errors.addContacts(**scene, motion.probed, judged->byMotion[i]);
     }
   }
   TradePoint point;

@@ -1,6 +1,10 @@
 #pragma once
 /// The motions of a sweep with what the reference feels along them; measures settings over them.
+///
+/// The reference works on as many motions at once as there are processors; what is measured runs
+/// alone.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -11,7 +15,7 @@
 
 namespace palpate {
 
-/// The base outlives it. One thread at a time.
+/// The base outlives it. One thread at a time; progress is reported from any, one at a time.
 class Bench {
  public:
   /// Makes the motions and runs the reference over them.
@@ -33,12 +37,22 @@ class Bench {
  private:
   struct Motion {
     Trajectory trajectory;
-    Felt felt;                       ///< The reference's.
+    Pass reference;
     std::vector<ProbedPose> probed;  ///< Where contacts are compared.
+  };
+  /// Makes a motion; an empty one where there is none.
+  using Maker = std::function<Trajectory()>;
+  /// Where the reference has a shell's points, by motion; settings share shells.
+  struct Judged {
+    const PointShell* shell = nullptr;
+    double undecided = 0.0;  ///< m
+    std::vector<std::vector<JudgedPose>> byMotion;
   };
   Bench(const PreparedScene& base, const TradeRequest& request);
   [[nodiscard]] Result<void> addMotions(const Progress& progress);
-  [[nodiscard]] std::vector<Trajectory> trajectories();
+  [[nodiscard]] std::vector<Maker> makers() const;
+  [[nodiscard]] Motion motionOf(const Maker& make) const;
+  [[nodiscard]] const Judged* judgedFor(const PreparedScene& scene, const Progress& progress);
   [[nodiscard]] CouplingGains gainsOf(const SimulationSetting& setting) const;
   void addCost(const Pass& pass);
   [[nodiscard]] TradeCost costOf(const PreparedScene& scene, bool reference) const;
@@ -49,6 +63,7 @@ class Bench {
   std::unique_ptr<ReferenceShape> shape_;
   std::shared_ptr<const PointShell> finest_;
   std::vector<Motion> motions_;
+  std::vector<std::unique_ptr<const Judged>> judged_;
   TradePoint reference_;
   std::vector<std::vector<double>> micros_;  ///< Of the setting that is measured, by motion.
   std::vector<std::vector<double>> slowest_;

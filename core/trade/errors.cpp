@@ -11,14 +11,10 @@
 namespace palpate {
 namespace {
 
-// Half a voxel of a usual CT: inside the range that a pressed tool reaches for a moment.
-constexpr double kPressed = 0.4e-3;
 constexpr double kTouch_N = 0.05;    // what a hand begins to feel, about
 constexpr double kFree_N = 0.01;     // below: free motion
 constexpr std::size_t kWindow = 10;  // ticks on either side of the mean that ripple is judged by
 constexpr std::size_t kStill = 20;   // ticks at the end that tell where the tool rests
-// Stored depths are within a thousandth of a spacing: nearer to zero than this is neither.
-constexpr double kUndecided = 1.0 / 500.0;
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
@@ -52,28 +48,6 @@ Spread spreadOf(std::vector<double> values) {
   if (values.empty()) return {};
   const double worst = *std::max_element(values.begin(), values.end());
   return {percentile(values, 0.5), percentile(values, 0.95), worst};
-}
-
-std::vector<ProbedPose> probedPoses(const ReferenceRun& run, const Trajectory& trajectory,
-                                    const PointShell& finest, ReferenceShape& shape,
-                                    std::size_t stride) {
-  std::vector<ProbedPose> poses;
-  for (std::size_t i = 0; i < run.tool.size(); i += stride) {
-    ProbedPose pose;
-    pose.X_WT = isometry(run.tool[i]);
-    const Eigen::Vector3d pull = position(trajectory.samples[i].pose) - pose.X_WT.translation();
-    if (pull.norm() < 0.1 * kPressed) continue;  // free: nothing to find
-    pose.X_WT.translation() += std::min(1.0, kPressed / pull.norm()) * pull;
-    for (const Eigen::Vector3d& p_T : finest.points_T()) {
-      const Eigen::Vector3d p = pose.X_WT * p_T;
-      const double depth = -shape.distance(p);
-      if (!(depth > 0.0)) continue;
-      pose.deepest = std::max(pose.deepest, depth);
-      pose.normal_W += depth * shape.normal(p);
-    }
-    poses.push_back(pose);
-  }
-  return poses;
 }
 
 void ErrorSamples::addFelt(const Trajectory& trajectory, const Felt& felt, const Felt& reference) {
@@ -117,15 +91,14 @@ void ErrorSamples::addPose(const ProbedPose& pose, double deepest,
 }
 
 void ErrorSamples::addContacts(const PreparedScene& scene, std::span<const ProbedPose> poses,
-                               ReferenceShape& shape) {
+                               std::span<const JudgedPose> judged) {
   ContactFinder finder(*scene.tree, *scene.shell, scene.scene.setting.query);
   std::vector<Contact> buffer(scene.shell->size());
   const Eigen::Isometry3d X_VW = scene.X_WV.inverse();
-  const double undecided = kUndecided * scene.labels->geometry.spacing.minCoeff();
   std::vector<bool> found(scene.shell->size());
   depth_.emplace_back();
-  for (const ProbedPose& pose : poses) {
-    const QueryResult result = finder.find(X_VW * pose.X_WT, buffer);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const QueryResult result = finder.find(X_VW * poses[i].X_WT, buffer);
     const std::size_t count = std::min(result.contactCount, buffer.size());
     std::fill(found.begin(), found.end(), false);
     double deepest = 0.0;
@@ -137,34 +110,27 @@ void ErrorSamples::addContacts(const PreparedScene& scene, std::span<const Probe
       normal_W +=
           contact.depth * (scene.X_WV.linear() * Eigen::Map<const Eigen::Vector3d>(contact.n));
     }
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const double d = shape.distance(pose.X_WT * scene.shell->points_T()[i]);
-      if (d < -undecided) {
-        ++reference_;
-        missed_ += found[i] ? 0 : 1;
-      } else if (d > undecided && found[i]) {
-        ++extra_;
-      }
-    }
-    addPose(pose, deepest, normal_W);
+    addPoints(found, judged[i]);
+    addPose(poses[i], deepest, normal_W);
   }
 }
 
-void ErrorSamples::addReferenceContacts(const PreparedScene& scene,
-                                        std::span<const ProbedPose> poses, ReferenceShape& shape) {
+void ErrorSamples::addPoints(std::vector<bool>& found, const JudgedPose& judged) {
+  reference_ += judged.inside.size();
+  for (const std::uint32_t point : judged.inside) {
+    missed_ += found[point] ? 0 : 1;
+    found[point] = false;
+  }
+  for (const std::uint32_t point : judged.undecided) found[point] = false;
+  extra_ += static_cast<std::uint64_t>(std::count(found.begin(), found.end(), true));
+}
+
+void ErrorSamples::addReferenceContacts(std::span<const ProbedPose> poses,
+                                        std::span<const ProbedPose> found) {
   depth_.emplace_back();
-  for (const ProbedPose& pose : poses) {
-    double deepest = 0.0;
-    Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& p_T : scene.shell->points_T()) {
-      const Eigen::Vector3d p = pose.X_WT * p_T;
-      const double depth = -shape.distance(p);
-      if (!(depth > 0.0)) continue;
-      ++reference_;
-      deepest = std::max(deepest, depth);
-      normal_W += depth * shape.normal(p);
-    }
-    addPose(pose, deepest, normal_W);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    reference_ += found[i].inside;
+    addPose(poses[i], found[i].deepest, found[i].normal_W);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/simulation/prepared_scene.h"
 #include "core/trade/felt.h"
+#include "core/trade/probes.h"
 #include "core/trade/trajectory.h"
 
 namespace palpate {
@@ -33,36 +34,24 @@ struct TradeErrors {
   Spread onset_ms;  ///< Of the first 0.05 N, a value a trajectory; below 0 counts like above.
 };
 
-/// What the reference finds at a pose.
-struct ProbedPose {
-  Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
-  double deepest = 0.0;                                ///< m, of the finest shell.
-  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();  ///< Sum of depth times normal.
-};
-
-/// The reference's poses, every `stride` ticks, pressed 0.4 mm towards the hand: a rigid tool rests
-/// with next to no depth.
-[[nodiscard]] std::vector<ProbedPose> probedPoses(const ReferenceRun& run,
-                                                  const Trajectory& trajectory,
-                                                  const PointShell& finest, ReferenceShape& shape,
-                                                  std::size_t stride);
-
 /// Gathers samples of one setting over many trajectories.
 class ErrorSamples {
  public:
   void addFelt(const Trajectory& trajectory, const Felt& felt, const Felt& reference);
-  /// The setting's own query at the poses.
+  /// The setting's own query at the poses. @param judged  of the scene's shell, as many.
   void addContacts(const PreparedScene& scene, std::span<const ProbedPose> poses,
-                   ReferenceShape& shape);
-  /// The reference's query with the points of the scene's shell, as if it were a setting.
-  void addReferenceContacts(const PreparedScene& scene, std::span<const ProbedPose> poses,
-                            ReferenceShape& shape);
+                   std::span<const JudgedPose> judged);
+  /// The reference itself with the points of a scene's shell, as if it were a setting.
+  /// @param found  at the same poses, with that shell.
+  void addReferenceContacts(std::span<const ProbedPose> poses, std::span<const ProbedPose> found);
   [[nodiscard]] TradeErrors errors() const;
   /// What can be promised of p95 over other motions of the kind: force N, depth mm.
   [[nodiscard]] double promisedForce() const;
   [[nodiscard]] double promisedDepth() const;
 
  private:
+  /// @param found  by shell index; not the same afterwards.
+  void addPoints(std::vector<bool>& found, const JudgedPose& judged);
   void addPose(const ProbedPose& pose, double deepest, const Eigen::Vector3d& normal_W);
 
   using ByMotion = std::vector<std::vector<double>>;

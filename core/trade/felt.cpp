@@ -103,7 +103,7 @@ Pass runPass(const std::shared_ptr<const PreparedScene>& scene, const CouplingGa
 }
 
 Pass runReferencePass(const PreparedScene& scene, const PointShell& shell,
-                      const CouplingGains& gains, ReferenceShape& shape,
+                      const CouplingGains& gains, const ReferenceShape& shape,
                       const Trajectory& trajectory, ReferenceRun* poses) {
   ReferenceTool tool;
   tool.mass = scene.instrument.massProperties;

@@ -36,7 +36,7 @@ struct Pass {
 
 /// The reference loop with the points of a shell.
 [[nodiscard]] Pass runReferencePass(const PreparedScene& scene, const PointShell& shell,
-                                    const CouplingGains& gains, ReferenceShape& shape,
+                                    const CouplingGains& gains, const ReferenceShape& shape,
                                     const Trajectory& trajectory, ReferenceRun* poses = nullptr);
 
 }  // namespace palpate

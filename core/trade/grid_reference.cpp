@@ -1,6 +1,7 @@
 #include "core/trade/grid_reference.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -46,29 +47,38 @@ class GridReference final : public ReferenceShape {
         offsets_(offsetsWithin(reach_, grid_->geometry.spacing)) {
     std::size_t count = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      bricks_[axis] = static_cast<std::size_t>(grid_->geometry.dims[axis] + kSide - 1) / kSide;
-      count *= bricks_[axis];
+      side_[axis] = (static_cast<std::size_t>(grid_->geometry.dims[axis]) + kSide - 1) / kSide;
+      count *= side_[axis];
     }
-    known_.resize(count);
+    bricks_ = std::vector<std::atomic<Brick*>>(count);
     // Between centres the interpolation's slope along each axis is at most that of the distance
     // along an edge, 1; more where voxels are not cubes.
     const Eigen::Vector3d ratio = 2.0 * half_ * grid_->geometry.spacing.cwiseInverse();
     steepest_ = (Eigen::Vector3d::Constant(2.0) - ratio).norm();
   }
 
-  double distance(const Eigen::Vector3d& p_W) override {
+  GridReference(const GridReference&) = delete;
+  GridReference& operator=(const GridReference&) = delete;
+  ~GridReference() override {
+    for (const auto& brick : bricks_) delete brick.load();
+  }
+
+  double distance(const Eigen::Vector3d& p_W) const override {
     Cell cell;
     if (!locate(p_W, cell)) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d& far = cell.part;
+    const Eigen::Vector3d near = Eigen::Vector3d::Ones() - far;
     double sum = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
-      double weight = 1.0;
-      for (int axis = 0; axis < 3; ++axis) weight *= weightOf(cell, corner, axis);
+      const double weight = ((corner & 1) != 0 ? far : near).x() *
+                            ((corner & 2) != 0 ? far : near).y() *
+                            ((corner & 4) != 0 ? far : near).z();
       if (weight > 0.0) sum += weight * cornerValue(cell, corner);
     }
     return sum;
   }
 
-  double clearance(const Eigen::Vector3d& p_W, double margin) override {
+  double clearance(const Eigen::Vector3d& p_W, double margin) const override {
     const double d = distance(p_W);
     if (std::isfinite(d)) return (d - margin) / steepest_;
     double outside = 0.0;
@@ -81,7 +91,7 @@ class GridReference final : public ReferenceShape {
     return outside;
   }
 
-  Eigen::Vector3d normal(const Eigen::Vector3d& p_W) override {
+  Eigen::Vector3d normal(const Eigen::Vector3d& p_W) const override {
     Cell cell;
     if (!locate(p_W, cell)) return Eigen::Vector3d::UnitZ();
     Eigen::Vector3d gradient_V = Eigen::Vector3d::Zero();
@@ -124,7 +134,7 @@ class GridReference final : public ReferenceShape {
     return (corner >> axis) & 1 ? cell.part[axis] : 1.0 - cell.part[axis];
   }
 
-  [[nodiscard]] double cornerValue(const Cell& cell, int corner) {
+  [[nodiscard]] double cornerValue(const Cell& cell, int corner) const {
     return valueAt(cell.low[0] + (corner & 1), cell.low[1] + ((corner >> 1) & 1),
                    cell.low[2] + ((corner >> 2) & 1));
   }
@@ -133,10 +143,18 @@ class GridReference final : public ReferenceShape {
     return felt_[grid_->at(i, j, k)];
   }
 
-  /// The signed D of a voxel's centre, m; remembered.
-  [[nodiscard]] double valueAt(std::int32_t i, std::int32_t j, std::int32_t k) {
-    double& known = remembered(i, j, k);
+  /// The signed D of a voxel's centre, m; remembered. Threads that work out the same one find the
+  /// same.
+  [[nodiscard]] double valueAt(std::int32_t i, std::int32_t j, std::int32_t k) const {
+    std::atomic<double>& remembered = placeOf(i, j, k);
+    const double known = remembered.load(std::memory_order_relaxed);
     if (!std::isnan(known)) return known;
+    const double value = searched(i, j, k);
+    remembered.store(value, std::memory_order_relaxed);
+    return value;
+  }
+
+  [[nodiscard]] double searched(std::int32_t i, std::int32_t j, std::int32_t k) const {
     const bool in = isFelt(i, j, k);
     double nearest = reach_;
     for (const Offset& o : offsets_) {
@@ -145,24 +163,32 @@ class GridReference final : public ReferenceShape {
       nearest = o.distance;
       break;
     }
-    known = (in ? -1.0 : 1.0) * (nearest - half_);
-    return known;
+    return (in ? -1.0 : 1.0) * (nearest - half_);
   }
 
-  /// Where a voxel's value is kept; not a number until it is.
-  [[nodiscard]] double& remembered(std::int32_t i, std::int32_t j, std::int32_t k) {
-    const auto at = [](std::int32_t n) { return static_cast<std::size_t>(n / kSide); };
-    auto& brick = known_[(at(k) * bricks_[1] + at(j)) * bricks_[0] + at(i)];
-    if (brick == nullptr) {
-      brick = std::make_unique<Brick>();
-      brick->fill(std::numeric_limits<double>::quiet_NaN());
+  static constexpr std::size_t kSide = 8;
+  /// Not a number until it is known.
+  struct Brick {
+    Brick() {
+      for (auto& value : values) value = std::numeric_limits<double>::quiet_NaN();
     }
-    const std::int32_t inside = (k % kSide * kSide + j % kSide) * kSide + i % kSide;
-    return (*brick)[static_cast<std::size_t>(inside)];
+    std::array<std::atomic<double>, kSide * kSide * kSide> values;
+  };
+
+  [[nodiscard]] std::atomic<double>& placeOf(std::int32_t i, std::int32_t j, std::int32_t k) const {
+    const auto x = static_cast<std::size_t>(i), y = static_cast<std::size_t>(j),
+               z = static_cast<std::size_t>(k);
+    Brick& brick = made(bricks_[(z / kSide * side_[1] + y / kSide) * side_[0] + x / kSide]);
+    return brick.values[(z % kSide * kSide + y % kSide) * kSide + x % kSide];
   }
 
-  static constexpr std::int32_t kSide = 8;
-  using Brick = std::array<double, kSide * kSide * kSide>;
+  static Brick& made(std::atomic<Brick*>& brick) {
+    Brick* known = brick.load(std::memory_order_acquire);
+    if (known != nullptr) return *known;
+    auto fresh = std::make_unique<Brick>();
+    if (brick.compare_exchange_strong(known, fresh.get())) return *fresh.release();
+    return *known;  // another thread was faster
+  }
 
   std::shared_ptr<const LabelGrid> grid_;
   std::array<bool, 256> felt_;
@@ -170,8 +196,8 @@ class GridReference final : public ReferenceShape {
   double half_, reach_;  // m
   std::vector<Offset> offsets_;
   double steepest_ = 1.0;
-  std::array<std::size_t, 3> bricks_{};
-  std::vector<std::unique_ptr<Brick>> known_;  // made as they are needed
+  std::array<std::size_t, 3> side_{};                // bricks along each axis
+  mutable std::vector<std::atomic<Brick*>> bricks_;  // made as they are needed
 };
 
 }  // namespace

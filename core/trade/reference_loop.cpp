@@ -40,7 +40,7 @@ struct NearPoint {
 
 class Loop {
  public:
-  Loop(const ReferenceTool& tool, ReferenceShape& shape) : tool_(tool), shape_(shape) {
+  Loop(const ReferenceTool& tool, const ReferenceShape& shape) : tool_(tool), shape_(shape) {
     const double arm2 = tool.mass.p_TC.squaredNorm();
     const double inertiaO = tool.mass.I_C.trace() + tool.mass.mass * arm2;
     dampingT_ =
@@ -191,7 +191,7 @@ class Loop {
   }
 
   const ReferenceTool& tool_;
-  ReferenceShape& shape_;
+  const ReferenceShape& shape_;
   double dampingT_ = 0.0, dampingTR_ = 0.0;
   double moved_ = 0.0, turned_ = 0.0;  // m and rad, in the last part
   std::vector<double> lever_;          // of each point from T's origin, m
@@ -206,7 +206,7 @@ class Loop {
 
 }  // namespace
 
-ReferenceRun runReference(const ReferenceTool& tool, ReferenceShape& shape,
+ReferenceRun runReference(const ReferenceTool& tool, const ReferenceShape& shape,
                           std::span<const DeviceSample> samples) {
   ReferenceRun run;
   Loop loop(tool, shape);

@@ -34,7 +34,7 @@ struct ReferenceRun {
   std::vector<double> micros;         ///< Compute time of each tick.
 };
 
-[[nodiscard]] ReferenceRun runReference(const ReferenceTool& tool, ReferenceShape& shape,
+[[nodiscard]] ReferenceRun runReference(const ReferenceTool& tool, const ReferenceShape& shape,
                                         std::span<const DeviceSample> samples);
 
 }  // namespace palpate

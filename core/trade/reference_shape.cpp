@@ -32,7 +32,7 @@ class ClosedForm final : public ReferenceShape {
  public:
   explicit ClosedForm(KnownShape shape) : shape_(shape) {}
 
-  double distance(const Eigen::Vector3d& p) override {
+  double distance(const Eigen::Vector3d& p) const override {
     switch (shape_) {
       case KnownShape::Sphere:
         return p.norm() - kSphere;
@@ -48,11 +48,11 @@ class ClosedForm final : public ReferenceShape {
     return 0.0;
   }
 
-  double clearance(const Eigen::Vector3d& p, double margin) override {
+  double clearance(const Eigen::Vector3d& p, double margin) const override {
     return distance(p) - margin;  // a distance changes by no more than what a point moves
   }
 
-  Eigen::Vector3d normal(const Eigen::Vector3d& p) override {
+  Eigen::Vector3d normal(const Eigen::Vector3d& p) const override {
     switch (shape_) {
       case KnownShape::Sphere:
         return direction(p);

@@ -13,17 +13,17 @@
 
 namespace palpate {
 
-/// World frame W, metres. May remember what it has computed: one thread at a time.
+/// World frame W, metres. Any thread, several at once.
 class ReferenceShape {
  public:
   virtual ~ReferenceShape() = default;
   /// m: above 0 outside, below 0 inside; +infinity where nothing is defined.
-  [[nodiscard]] virtual double distance(const Eigen::Vector3d& p_W) = 0;
+  [[nodiscard]] virtual double distance(const Eigen::Vector3d& p_W) const = 0;
   /// m: how far a point can move at least before distance() falls below `margin`; 0 is always
   /// right.
-  [[nodiscard]] virtual double clearance(const Eigen::Vector3d& p_W, double margin) = 0;
+  [[nodiscard]] virtual double clearance(const Eigen::Vector3d& p_W, double margin) const = 0;
   /// Outward unit normal at a point where distance() is finite.
-  [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& p_W) = 0;
+  [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& p_W) const = 0;
 };
 
 /// Anatomy in closed form, about the origin of W: its surface meets +z (but for the torus, whose

@@ -108,7 +108,7 @@ Eigen::Isometry3d tipFirst(const Eigen::Vector3d& tip, const Eigen::Vector3d& ou
 }
 
 /// Where the tip is when the tool, on its way in from outside, first touches.
-std::optional<Eigen::Vector3d> firstTouch(ReferenceShape& shape, const Surround& surround,
+std::optional<Eigen::Vector3d> firstTouch(const ReferenceShape& shape, const Surround& surround,
                                           const Eigen::Vector3d& direction, double roll,
                                           const Eigen::Vector3d& towards) {
   constexpr double kLeastStep = 0.1e-3, kFarStep = 1e-3;
@@ -126,7 +126,7 @@ std::optional<Eigen::Vector3d> firstTouch(ReferenceShape& shape, const Surround&
 }
 
 /// Of 26 directions, how many meet anatomy within 8 mm of a place just outside the surface.
-int enclosure(ReferenceShape& shape, const Eigen::Vector3d& p) {
+int enclosure(const ReferenceShape& shape, const Eigen::Vector3d& p) {
   int met = 0;
   for (int code = 0; code < 27; ++code) {
     const Eigen::Vector3d d(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
@@ -184,7 +184,7 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
   return path;
 }
 
-Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
+Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
   constexpr int kRays = 100;
   constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.6, kIn_s = 0.4;
   Random random(seed);
@@ -218,7 +218,7 @@ Trajectory cavityPath(ReferenceShape& shape, const Surround& surround, std::uint
   return path;
 }
 
-Trajectory randomPath(ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
+Trajectory randomPath(const ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
   constexpr double kSpeed = 50e-3, kStill_s = 0.1;
   Random random(seed);
   Trajectory path{"random " + std::to_string(seed), {}, 0, false};

@@ -43,12 +43,12 @@ struct Surround {
 [[nodiscard]] Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed);
 /// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch,
 /// then round it while the tool tilts by 10 degrees; a second. Empty where no way meets anything.
-[[nodiscard]] Trajectory cavityPath(ReferenceShape& shape, const Surround& surround,
+[[nodiscard]] Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
 /// As in the paper's Figure 6: from a random direction towards the centre at an even 50 mm/s, from
 /// 8 mm before to 1.5 mm behind the first touch; then still for 0.1 s. Empty where the
 /// ray meets nothing.
-[[nodiscard]] Trajectory randomPath(ReferenceShape& shape, const Surround& surround,
+[[nodiscard]] Trajectory randomPath(const ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
 
 /// What the hand did in a recorded session, by its file's name.

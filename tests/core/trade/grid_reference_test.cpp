@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <thread>
 
 #include "core/collision/contact_finder.h"
 
@@ -108,6 +109,33 @@ TEST(GridReference, AClearanceIsNeverTooLarge) {
     ++tried;
   }
   EXPECT_GT(tried, 5000);
+}
+
+TEST(GridReference, ThreadsThatAskAtOnceGetWhatOneGets) {
+  const RandomAnatomy anatomy = randomAnatomy(7);
+  const auto& g = anatomy.grid->geometry;
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  std::vector<Eigen::Vector3d> places;
+  for (int i = 0; i < 5000; ++i) {
+    places.push_back(g.X_PV * Eigen::Vector3d(part(random) * g.dims[0] * g.spacing[0],
+                                              part(random) * g.dims[1] * g.spacing[1],
+                                              part(random) * g.dims[2] * g.spacing[2]));
+  }
+  const auto shared = gridReference(anatomy.grid, anatomy.felt);
+  std::vector<std::vector<double>> found(4);
+  std::vector<std::thread> threads;
+  for (auto& mine : found) {
+    threads.emplace_back([&] {
+      for (const Eigen::Vector3d& p : places) mine.push_back(shared->distance(p));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  const auto alone = gridReference(anatomy.grid, anatomy.felt);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double d = alone->distance(places[i]);
+    for (const auto& mine : found) EXPECT_EQ(mine[i], d) << i;
+  }
 }
 
 TEST(GridReference, OutsideTheBoxOfCentresNothingIsDefined) {

@@ -16,7 +16,7 @@ INSTANTIATE_TEST_SUITE_P(All, KnownShapes, testing::ValuesIn(kAll),
                          [](const auto& row) { return std::string(nameOf(row.param)); });
 
 /// Places in the cube that are not where two faces are equally near.
-std::vector<Eigen::Vector3d> places(ReferenceShape& shape, int count) {
+std::vector<Eigen::Vector3d> places(const ReferenceShape& shape, int count) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> in(-30e-3, 30e-3);
   std::vector<Eigen::Vector3d> found;

@@ -1,6 +1,7 @@
 /// The whole sweep on anatomy of known shape, and faults that it has to see.
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -93,7 +94,8 @@ TEST_F(Sweep, APromiseIsNoBetterThanWhatWasMeasured) {
   }
 }
 
-TEST_F(Sweep, IsTheSameToTheLastBitAgain) {
+TEST_F(Sweep, IsTheSameToTheLastBitAgainOnOneThread) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const auto again = sweepTrade(*scene_, quick());
   ASSERT_TRUE(again);
   ASSERT_EQ(again->points.size(), sweep_.points.size());
