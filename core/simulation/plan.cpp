@@ -58,26 +58,25 @@ const char* limitText(ReachLimit limit) {
   return "";
 }
 
-/// Of what the scene leaves out, what is and why.
+/// What the scene asks to leave out, and what of it is; what it does not ask for has no row.
 void addReach(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
   const ReachSaving& saving = prepared.saving;
   const Reach reach = prepared.scene.reach;
-  const bool cut = prepared.reachLimit == ReachLimit::CutDescent;
-  plan.push_back({"outside the region", !prepared.scene.region.has_value(),
-                  prepared.scene.region
-                      ? std::to_string(saving.outsideRegion) + " labelled voxels left out"
-                      : "the scene names no region: all of the scan is in",
-                  0});
+  if (prepared.scene.region) {
+    plan.push_back(
+        {kRegionRow, false, std::to_string(saving.outsideRegion) + " labelled voxels left out", 0});
+  }
   std::string cavities = share(saving.cavitiesFilled, saving.cavities, "filled, ") +
                          share(saving.filledVoxels, saving.cavityVoxels, "voxels");
   if (reach == Reach::All) cavities = "the scene keeps all";
-  if (cut) cavities = limitText(prepared.reachLimit);
-  plan.push_back(
-      {"sealed cavities", reach == Reach::All || saving.cavitiesFilled == 0, cavities, 0});
-  std::string device = std::to_string(saving.outsideDevice) + " labelled voxels left out";
-  if (reach != Reach::Device) device = "the scene keeps it";
-  if (prepared.reachLimit != ReachLimit::None) device = limitText(prepared.reachLimit);
-  plan.push_back({"beyond the device's workspace", saving.outsideDevice == 0, device, 0});
+  if (prepared.reachLimit == ReachLimit::CutDescent) cavities = limitText(prepared.reachLimit);
+  plan.push_back({kCavitiesRow, reach == Reach::All || saving.cavitiesFilled == 0, cavities, 0});
+  if (reach != Reach::Device) return;
+  const bool kept = prepared.reachLimit != ReachLimit::None;
+  plan.push_back({kWorkspaceRow, kept,
+                  kept ? limitText(prepared.reachLimit)
+                       : std::to_string(saving.outsideDevice) + " labelled voxels left out",
+                  0});
 }
 
 void addTree(const PreparedScene& prepared, std::vector<PlanRow>& plan) {

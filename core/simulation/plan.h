@@ -15,5 +15,8 @@ namespace palpate {
 /// What the governor may step down to.
 [[nodiscard]] PlanRow governorRow(const PreparedScene& prepared);
 inline constexpr const char* kGovernorRow = "governor";
+inline constexpr const char* kRegionRow = "outside the region";
+inline constexpr const char* kCavitiesRow = "sealed cavities";
+inline constexpr const char* kWorkspaceRow = "beyond the device's workspace";
 
 }  // namespace palpate

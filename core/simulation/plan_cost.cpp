@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/geometry/pose.h"
+#include "core/simulation/plan.h"
 #include "core/simulation/simulation.h"
 
 namespace palpate {
@@ -125,36 +126,54 @@ std::size_t bytesOf(const VoxelTree& tree) {
 }
 
 /// Bytes of the tree, were the scene to leave out less.
-Result<std::size_t> bytesWith(const PreparedScene& scene, Reach reach, const Progress& progress) {
-  Scene more = scene.scene;
-  more.reach = reach;
+Result<std::size_t> bytesWith(const PreparedScene& scene, Scene more,
+                              const std::shared_ptr<const LabelGrid>& labels,
+                              const Progress& progress) {
   more.X_WD = scene.X_WD;
   const auto whole =
-      prepareScene(more, scene.labels, scene.table, scene.materials, scene.instrument, progress);
+      prepareScene(more, labels, scene.table, scene.materials, scene.instrument, progress);
   if (!whole) return fail(whole.error());
   return bytesOf(*(*whole)->tree);
 }
 
+Result<std::size_t> bytesReaching(const PreparedScene& scene, Reach reach,
+                                  const Progress& progress) {
+  Scene more = scene.scene;
+  more.reach = reach;
+  return bytesWith(scene, std::move(more), scene.labels, progress);
+}
+
+Result<std::size_t> bytesEverywhere(const PreparedScene& scene, const Progress& progress) {
+  Scene more = scene.scene;
+  more.region.reset();
+  return bytesWith(scene, std::move(more), scene.wholeLabels, progress);
+}
+
+/// Each row as if the others stayed: the cavities of what the device reaches.
 Result<void> weighWhatIsLeftOut(const PreparedScene& scene, std::vector<PlanRow>& plan,
                                 const Progress& progress) {
   const std::size_t here = bytesOf(*scene.tree);
   std::size_t sealed = here;
-  const auto row = [&plan](std::string_view what) -> PlanRow* {
-    const auto found =
-        std::find_if(plan.begin(), plan.end(), [what](const PlanRow& r) { return r.what == what; });
-    return found == plan.end() ? nullptr : &*found;
+  const auto weigh = [&plan](std::string_view what, std::size_t without, std::size_t with) {
+    for (PlanRow& row : plan) {
+      if (row.what == what) row.bytes = without - std::min(with, without);
+    }
   };
+  if (scene.saving.outsideRegion > 0) {
+    const auto bytes = bytesEverywhere(scene, progress);
+    if (!bytes) return fail(bytes.error());
+    weigh(kRegionRow, *bytes, here);
+  }
   if (scene.saving.outsideDevice > 0) {
-    const auto bytes = bytesWith(scene, Reach::Sealed, progress);
+    const auto bytes = bytesReaching(scene, Reach::Sealed, progress);
     if (!bytes) return fail(bytes.error());
     sealed = *bytes;
-    if (PlanRow* r = row("beyond the device's workspace"))
-      r->bytes = sealed - std::min(here, sealed);
+    weigh(kWorkspaceRow, sealed, here);
   }
   if (scene.saving.filledVoxels > 0) {
-    const auto bytes = bytesWith(scene, Reach::All, progress);
+    const auto bytes = bytesReaching(scene, Reach::All, progress);
     if (!bytes) return fail(bytes.error());
-    if (PlanRow* r = row("sealed cavities")) r->bytes = *bytes - std::min(sealed, *bytes);
+    weigh(kCavitiesRow, *bytes, sealed);
   }
   return {};
 }

@@ -132,6 +132,7 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   const FeltLabels moves = *bodyLabels(scene, table);
   const FeltLabels felt = withBodies(*anatomy, moves);
   ReachSaving saving;
+  const std::shared_ptr<const LabelGrid> whole = scene.region ? labels : nullptr;
   labels = withinRegion(std::move(labels), scene.region, felt, saving);
   if (auto checked = checkRegion(*labels, felt, saving); !checked) return fail(checked.error());
   const auto values = presentLabels(scene, *labels, *anatomy);
@@ -141,6 +142,7 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   prepared->scene = scene;
   prepared->instrument = instrument;
   prepared->labels = std::move(labels);
+  prepared->wholeLabels = whole;
   prepared->table = table;
   prepared->materials = materials;
   if (auto assigned = assignMaterials(*prepared, felt); !assigned) return fail(assigned.error());

@@ -50,6 +50,7 @@ struct PreparedScene {
   Instrument instrument;
   /// Within the region; kept so that a session can carry its own anatomy.
   std::shared_ptr<const LabelGrid> labels;
+  std::shared_ptr<const LabelGrid> wholeLabels;  ///< As given; null where no region cuts them.
   LabelTable table;
   std::vector<Material> materials;
   std::shared_ptr<const VoxelTree> tree;  ///< Of what can be reached (reach.h).

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/geometry/pose.h"
+#include "core/simulation/plan.h"
 #include "core/simulation/plan_cost.h"
 #include "core/voxels/sealed_cavities.h"
 #include "tests/core/simulation/synthetic_scene.h"
@@ -390,6 +391,40 @@ TEST(Plan, TellsWhatIsLeftOutAndWhatItWouldCost) {
   EXPECT_GT(response, 0.0);
   EXPECT_GT(motion, 0.0);
   EXPECT_GE(friction, 0.0);
+}
+
+const PlanRow* rowNamed(const std::vector<PlanRow>& plan, const char* what) {
+  const auto found =
+      std::find_if(plan.begin(), plan.end(), [what](const PlanRow& r) { return r.what == what; });
+  return found == plan.end() ? nullptr : &*found;
+}
+
+TEST(Plan, WhatASceneDoesNotAskToLeaveOutHasNoRow) {
+  const auto scene = prepared(ball());
+  EXPECT_EQ(rowNamed(scene->plan, kRegionRow), nullptr);
+  EXPECT_EQ(rowNamed(scene->plan, kWorkspaceRow), nullptr);
+  EXPECT_EQ(scene->wholeLabels, nullptr);
+}
+
+TEST(Plan, ARegionSavesTheBytesOfWhatIsOutside) {
+  const auto whole = prepared(ball());
+  Scene half;
+  const Eigen::Vector3d middle_mm =
+      1e3 * (whole->X_WV * whole->labels->geometry.centre_V(32, 32, 32));
+  half.region = SceneBox{middle_mm - Eigen::Vector3d::Constant(100),
+                         middle_mm + Eigen::Vector3d(0, 100, 100)};
+  const auto scene = prepared(ball(), half);
+  const auto plan = measuredPlan(scene, WholeTree::Build);
+  ASSERT_TRUE(plan) << sentence(plan.error());
+  const PlanRow* row = rowNamed(*plan, kRegionRow);
+  ASSERT_NE(row, nullptr);
+  EXPECT_FALSE(row->modelled);
+  EXPECT_EQ(row->why, std::to_string(scene->saving.outsideRegion) + " labelled voxels left out");
+  const auto bytes = [](const PreparedScene& s) {
+    return s.tree->stats().topologyBytes + s.tree->stats().payloadBytes;
+  };
+  EXPECT_EQ(row->bytes, bytes(*whole) - bytes(*scene));
+  EXPECT_GT(row->bytes, 0U);
 }
 
 }  // namespace
