@@ -81,6 +81,17 @@ std::string csvCell(const std::string& text) {
   return cell;
 }
 
+std::string leftOutText(const TradeReport& report) {
+  const auto& names = report.sweep.leftOut;
+  if (names.empty()) return {};
+  std::string text = std::to_string(names.size()) + (names.size() == 1 ? " motion" : " motions");
+  text +=
+      " left out, on which the reference does not settle (wedged between walls, or in through "
+      "the scan's edge)";
+  for (std::size_t i = 0; i < names.size(); ++i) text.append(i == 0 ? ": " : ", ").append(names[i]);
+  return text + "\n";
+}
+
 std::string growthText(const TradeSweep& sweep) {
   if (sweep.growth.empty()) return {};
   TextTable table({"grows as", "power of", "exponent", "95 % confidence", "points"});
@@ -122,6 +133,7 @@ ordered_json tradeJson(const TradeReport& report) {
   json["seed"] = report.sweep.seed;
   json["reference"] = report.sweep.reference;
   json["trajectories"] = report.sweep.trajectories;
+  json["left_out"] = report.sweep.leftOut;
   json["front"] = ordered_json::array();
   for (const TradePoint& point : frontOf(report.sweep.points)) {
     json["front"].push_back(pointJson(point));
@@ -160,7 +172,7 @@ std::string tradeText(const TradeReport& report) {
                decimal(point.cost.p99_us, 1), decimal(point.cost.p999_us, 1),
                byteSize(point.cost.bytes)});
   }
-  return "Errors against " + report.sweep.reference + ":\n" + table.text() +
+  return "Errors against " + report.sweep.reference + ":\n" + table.text() + leftOutText(report) +
          growthText(report.sweep) + choiceText(report);
 }
 

@@ -116,6 +116,7 @@ Bench::Motion Bench::motionOf(const Maker& make) const {
   if (motion.trajectory.samples.empty()) return motion;
   ReferenceRun run;
   motion.reference = runReferencePass(base_, *finest_, gains, *shape_, motion.trajectory, &run);
+  if (!motion.reference.settled) return motion;
   motion.probed = probedPoses(run, motion.trajectory, *finest_, *shape_,
                               motion.trajectory.smooth ? kStride : kRandomStride);
   return motion;
@@ -127,6 +128,15 @@ Result<void> Bench::addMotions(const Progress& progress) {
   const auto add = [&](std::size_t i) { motions_[i] = motionOf(all[i]); };
   if (!forEach(all.size(), progress, add)) return fail(cancelled());
   std::erase_if(motions_, [](const Motion& motion) { return motion.trajectory.samples.empty(); });
+  std::erase_if(motions_, [this](const Motion& motion) {
+    if (!motion.reference.settled) leftOut_.push_back(motion.trajectory.name);
+    return !motion.reference.settled;
+  });
+  if (motions_.empty()) {
+    return fail(checkFailed("There is nothing to measure: the reference settles on no motion.")
+                    .butFound(std::to_string(leftOut_.size()) + " motions that were tried")
+                    .advise("Place the device where the instrument has room."));
+  }
   reference_.name = "reference";
   reference_.offered = false;
   reference_.setting.simulation = base_.scene.setting;

@@ -25,6 +25,8 @@ class Bench {
   /// The reference as a point: no error, and what it costs.
   [[nodiscard]] const TradePoint& reference() const noexcept { return reference_; }
   [[nodiscard]] std::vector<std::string> names() const;
+  /// Motions that are left out, since the reference did not settle (reference_loop.h).
+  [[nodiscard]] const std::vector<std::string>& leftOut() const noexcept { return leftOut_; }
   [[nodiscard]] Result<TradePoint> measure(const NamedSetting& setting, const Progress& progress);
   /// Time and tests of single queries of the base, and the contacts of each, at poses pressed
   /// deeper and deeper; for the growth over contacts.
@@ -63,6 +65,7 @@ class Bench {
   std::unique_ptr<ReferenceShape> shape_;
   std::shared_ptr<const PointShell> finest_;
   std::vector<Motion> motions_;
+  std::vector<std::string> leftOut_;
   std::vector<std::unique_ptr<const Judged>> judged_;
   TradePoint reference_;
   std::vector<std::vector<double>> micros_;  ///< Of the setting that is measured, by motion.

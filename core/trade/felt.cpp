@@ -115,7 +115,8 @@ Pass runReferencePass(const PreparedScene& scene, const PointShell& shell,
   tool.frictionAt = frictionOf(scene);
   ReferenceRun run = runReference(tool, shape, trajectory.samples);
   Pass pass;
-  for (std::size_t i = 0; i < trajectory.samples.size(); ++i) {
+  pass.settled = run.settled;
+  for (std::size_t i = 0; i < run.tool.size(); ++i) {
     if (i == 0) {
       nothingFelt(pass.felt, trajectory.samples[i]);
       continue;

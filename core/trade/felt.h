@@ -23,6 +23,7 @@ struct Felt {
 
 struct Pass {
   Felt felt;
+  bool settled = true;               ///< Of the reference loop: else it ends early.
   std::vector<double> micros;        ///< Compute time a step: the median of the repeats.
   std::vector<double> slowest;       ///< The longest of the repeats.
   std::vector<std::uint32_t> tests;  ///< Sphere and leaf tests a step.

@@ -18,6 +18,7 @@ constexpr int kParts = 2;
 constexpr double kMargin = 0.15e-3;  // m: farther than a point moves in a part at 0.3 m/s
 constexpr double kFastestOut = 0.1;  // m/s: a start inside is not shot out
 constexpr int kMostSweeps = 400;
+constexpr double kLost = 0.1e-3;       // m: ten times what is left where the sweeps settle
 constexpr double kConverged = 1e-6;    // m/s: some 1e-4 N for the lightest instrument
 constexpr double kDampingRatio = 0.7;  // of the tool on its coupling (core/dynamics/tool_body.h)
 
@@ -75,6 +76,7 @@ class Loop {
   [[nodiscard]] PlainPose pose() const { return plain(p_, q_); }
   [[nodiscard]] Eigen::Vector3d v() const { return twist_.head<3>(); }
   [[nodiscard]] Eigen::Vector3d w() const { return twist_.tail<3>(); }
+  [[nodiscard]] bool lost() const { return deepest_ > kLost; }
 
  private:
   static Eigen::Quaterniond turn(const Eigen::Vector3d& rotation) {
@@ -116,6 +118,7 @@ class Loop {
 
   void gather(const Eigen::LDLT<Matrix6>& solver, double h) {
     near_.clear();
+    deepest_ = 0.0;
     const Eigen::Matrix3d R = q_.toRotationMatrix();
     for (std::size_t i = 0; i < tool_.points_T.size(); ++i) {
       const Eigen::Vector3d& p_T = tool_.points_T[i];
@@ -126,6 +129,7 @@ class Loop {
       if (farther_[i] > 0.0) continue;
       const double d = shape_.distance(p_ + r);
       if (!(d < kMargin)) continue;
+      deepest_ = std::max(deepest_, -d);
       NearPoint point;
       const Eigen::Vector3d n = shape_.normal(p_ + r);
       const Eigen::Vector3d t = n.unitOrthogonal();
@@ -194,6 +198,7 @@ class Loop {
   const ReferenceShape& shape_;
   double dampingT_ = 0.0, dampingTR_ = 0.0;
   double moved_ = 0.0, turned_ = 0.0;  // m and rad, in the last part
+  double deepest_ = 0.0;               // m, as the last part began
   std::vector<double> lever_;          // of each point from T's origin, m
   std::vector<double> farther_;        // of each point, m: at least so far from the margin
   Eigen::Vector3d p_ = Eigen::Vector3d::Zero();
@@ -215,6 +220,10 @@ ReferenceRun runReference(const ReferenceTool& tool, const ReferenceShape& shape
     const auto start = std::chrono::steady_clock::now();
     loop.tick(sample);
     const auto spent = std::chrono::steady_clock::now() - start;
+    if (loop.lost()) {
+      run.settled = false;
+      break;
+    }
     run.tool.push_back(loop.pose());
     run.v.push_back(loop.v());
     run.w.push_back(loop.w());

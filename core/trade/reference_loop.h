@@ -7,6 +7,10 @@
 /// every point nearer than a margin for the contacts (Signorini's and Coulomb's conditions on the
 /// velocity, Moreau's time stepping), to convergence. So nothing is left in, nothing is cut, no
 /// contact is chosen before another.
+///
+/// Where the sweeps do not settle, as for a long handpiece that a hand wedges between walls, or
+/// where the tool comes in through anatomy that the scan's edge cuts open, points get inside and
+/// the tool may slip through a wall: such a run says so and ends there.
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -27,8 +31,9 @@ struct ReferenceTool {
   std::function<double(const Eigen::Vector3d& p_W)> frictionAt;
 };
 
-/// The tool at the end of each tick; as many as samples, W.
+/// The tool at the end of each tick; as many as samples, fewer where it did not settle. W.
 struct ReferenceRun {
+  bool settled = true;  ///< No point was ever more than 0.1 mm inside.
   std::vector<PlainPose> tool;
   std::vector<Eigen::Vector3d> v, w;  ///< Of T's origin, m/s and rad/s.
   std::vector<double> micros;         ///< Compute time of each tick.

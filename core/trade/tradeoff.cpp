@@ -133,6 +133,7 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
                                   : "the labels' own resolution, searched by brute force";
   sweep.reference += ", in double precision, with a shell of half the spacing";
   sweep.trajectories = bench->names();
+  sweep.leftOut = bench->leftOut();
   sweep.points.push_back(bench->reference());
   auto singles = singleChanges(own, options);
   if (quick) {

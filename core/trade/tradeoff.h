@@ -68,6 +68,7 @@ struct TradeSweep {
   std::uint64_t seed = 1;
   std::string reference;                  ///< What the reference is, in words.
   std::vector<std::string> trajectories;  ///< Names.
+  std::vector<std::string> leftOut;       ///< Of motions on which the reference did not settle.
   std::vector<TradePoint> points;         ///< The reference first, then the default.
   std::vector<Growth> growth;
 };

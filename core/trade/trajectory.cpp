@@ -178,8 +178,8 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
   Random random(seed);
   const double heading = 2.0 * kPi * random.uniform();
   const double rate = 0.8 + 0.4 * random.uniform();
-  Trajectory path{
-      "slide", sampled(overTheDevice(scene, kDown_s, heading, rate), kDown_s + kSlide_s), 0, true};
+  Trajectory path{"slide " + std::to_string(seed), {}, 0, true};
+  path.samples = sampled(overTheDevice(scene, kDown_s, heading, rate), kDown_s + kSlide_s);
   path.restFrom = path.samples.size();
   return path;
 }
@@ -202,7 +202,7 @@ Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround, std
     site = *touch;
     out = *direction;
   }
-  Trajectory path{"cavity", {}, 0, true};
+  Trajectory path{"cavity " + std::to_string(seed), {}, 0, true};
   if (most < 0) return path;
   const Eigen::Vector3d u = out.unitOrthogonal(), v = out.cross(u);
   path.samples = sampled(

@@ -16,7 +16,7 @@
 namespace palpate {
 
 struct Trajectory {
-  std::string name;  ///< "approach", "slide", "cavity", "random 7", "session".
+  std::string name;  ///< "approach", "slide 7", "cavity 7", "random 7", a session's file name.
   std::vector<DeviceSample> samples;
   /// Sample from which on the hand is still; samples.size(): it never is.
   std::size_t restFrom = 0;

@@ -112,5 +112,30 @@ TEST(ReferenceLoop, ATurnedHandTurnsTheTool) {
   EXPECT_LT(orientation(run.tool.back()).angularDistance(goal), 1e-4);
 }
 
+/// Two walls that stand closer together than the points: wherever they are, one is inside.
+class Vice final : public ReferenceShape {
+ public:
+  double distance(const Eigen::Vector3d& p) const override { return 2e-3 - std::abs(p.x()); }
+  double clearance(const Eigen::Vector3d& p, double margin) const override {
+    return distance(p) - margin;
+  }
+  Eigen::Vector3d normal(const Eigen::Vector3d& p) const override {
+    return {p.x() > 0.0 ? -1.0 : 1.0, 0.0, 0.0};
+  }
+};
+
+TEST(ReferenceLoop, ThatCannotSettleSaysSoAndEnds) {
+  ReferenceTool tool = ballTool(0.0);
+  tool.points_T = {{-2.2e-3, 0, 0}, {2.2e-3, 0, 0}};
+  const std::vector<DeviceSample> samples(50);
+  const ReferenceRun run = runReference(tool, Vice{}, samples);
+  EXPECT_FALSE(run.settled);
+  EXPECT_LT(run.tool.size(), 50U);
+  tool.points_T = {{-1.9e-3, 0, 0}, {1.9e-3, 0, 0}};
+  const ReferenceRun fits = runReference(tool, Vice{}, samples);
+  EXPECT_TRUE(fits.settled);
+  EXPECT_EQ(fits.tool.size(), 50U);
+}
+
 }  // namespace
 }  // namespace palpate
