@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 #include <type_traits>
 
 #include "core/collision/contact_budget.h"
@@ -207,8 +206,8 @@ void useShell(QueryWork& work, const ThinnedShell& thinned) {
 }  // namespace
 
 struct ContactFinder::Scratch {
-  std::optional<ThinnedShell> felt;  // what the perceptual bound leaves
-  std::vector<ThinnedShell> before;  // what the budget asks first
+  std::shared_ptr<const ThinnedShell> felt;  // what the perceptual bound leaves
+  std::vector<ThinnedShell> before;          // what the budget asks first
   std::unique_ptr<QueryWorkers> workers;
   std::vector<QueryWork> work;  // a shell each, in the order of asking; the last has all points
   QueryWork* answer = nullptr;  // of the last findPacked()
@@ -255,7 +254,7 @@ ContactFinder::ContactFinder(const VoxelTree& tree, const PointShell& shell,
   first.blocks = &shell.data().blocks;
   first.shellReach = shell.reach();
   if (options.perceptualBound > 0.0) {
-    s.felt = thinToBound(*first.shell, *first.blocks, options.perceptualBound);
+    s.felt = shell.data().thinned->toBound(*first.shell, *first.blocks, options.perceptualBound);
     if (s.felt->hierarchy.size() == shell.size()) s.felt.reset();  // no node is as small as that
     if (s.felt) useShell(first, *s.felt);
   }

@@ -5,6 +5,7 @@
 
 #include "core/collision/mesh_sampling.h"
 #include "core/collision/shell_hierarchy.h"
+#include "core/collision/thinned_shell.h"
 
 namespace palpate {
 namespace {
@@ -47,6 +48,7 @@ Result<PointShell> PointShell::fromPoints(std::vector<Eigen::Vector3d> points_T,
                                           std::vector<Eigen::Vector3d> normals_T) {
   if (auto ok = check(points_T, normals_T); !ok) return fail(ok.error());
   auto data = std::make_shared<Data>();
+  data->thinned = std::make_shared<ThinnedShells>();
   for (auto& n : normals_T) n.normalize();
   for (const auto& p : points_T) data->reach = std::max(data->reach, p.norm());
   data->hierarchy = buildShellHierarchy(points_T);

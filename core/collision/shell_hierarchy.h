@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct ShellHierarchy {
 /// Deterministic: same points, same hierarchy. At least one point.
 [[nodiscard]] ShellHierarchy buildShellHierarchy(const std::vector<Eigen::Vector3d>& points_T);
 
+class ThinnedShells;
+
 /// What a PointShell owns.
 struct PointShell::Data {
   std::vector<Eigen::Vector3d> points_T, normals_T;
@@ -49,6 +52,7 @@ struct PointShell::Data {
   ShellHierarchy hierarchy;
   ShellBlocks blocks;             ///< The same, side by side.
   std::optional<VoxelBody> body;  ///< Of a voxel body: its own trees.
+  std::shared_ptr<ThinnedShells> thinned;
 };
 
 }  // namespace palpate

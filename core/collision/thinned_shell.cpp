@@ -87,6 +87,16 @@ ThinnedShell thinToBound(const ShellHierarchy& shell, const ShellBlocks& blocks,
   return thinning.build(blocks);
 }
 
+std::shared_ptr<const ThinnedShell> ThinnedShells::toBound(const ShellHierarchy& shell,
+                                                           const ShellBlocks& blocks,
+                                                           double bound) {
+  const std::lock_guard<std::mutex> lock(access_);
+  auto& made = byBound_[bound];
+  if (made == nullptr)
+    made = std::make_shared<const ThinnedShell>(thinToBound(shell, blocks, bound));
+  return made;
+}
+
 ThinnedShell thinToLevel(const ShellHierarchy& shell, const ShellBlocks& blocks,
                          std::size_t level) {
   Thinning thinning(shell);

@@ -11,6 +11,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "core/collision/shell_hierarchy.h"
@@ -27,6 +30,19 @@ struct ThinnedShell {
 /// such node on the way down), and every point that is in none.
 [[nodiscard]] ThinnedShell thinToBound(const ShellHierarchy& shell, const ShellBlocks& blocks,
                                        double bound);
+/// Of one shell, what thinToBound() made for the finders so far: finders of the same bound share
+/// it. Any thread; not for the loops.
+class ThinnedShells {
+ public:
+  [[nodiscard]] std::shared_ptr<const ThinnedShell> toBound(const ShellHierarchy& shell,
+                                                            const ShellBlocks& blocks,
+                                                            double bound);
+
+ private:
+  std::mutex access_;
+  std::map<double, std::shared_ptr<const ThinnedShell>> byBound_;
+};
+
 /// One point for every node of a level.
 [[nodiscard]] ThinnedShell thinToLevel(const ShellHierarchy& shell, const ShellBlocks& blocks,
                                        std::size_t level);
