@@ -23,14 +23,14 @@ constexpr int kRepeats = 3;
 constexpr double kShapeCone = 0.906;
 
 struct Counts {
-  std::size_t slides = 10, cavities = 10, random = 50;
+  std::size_t slides = 40, cavities = 40, random = 100;
 };
 Counts countsOf(TradeEffort effort) {
   switch (effort) {
     case TradeEffort::Quick:
-      return {6, 6, 16};
+      return {12, 12, 24};
     case TradeEffort::Full:
-      return {40, 40, 200};
+      return {160, 160, 400};
     default:
       return {};
   }

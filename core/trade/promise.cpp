@@ -44,11 +44,13 @@ double boundOf(const std::vector<std::vector<double>>& valuesByMotion, double sh
   std::mt19937_64 random(20081);
   std::vector<double> found;
   for (int draw = 0; draw < kDraws && !values.empty(); ++draw) {
-    std::vector<std::size_t> drawn(valuesByMotion.size(), 0);
-    for (std::size_t i = 0; i < drawn.size(); ++i) ++drawn[random() % drawn.size()];
+    const std::size_t count = valuesByMotion.size();
+    std::vector<std::size_t> all(count), drawn(count, 0);
+    for (std::size_t& motion : all) motion = random() % count;
+    for (std::size_t i = 0; i < count; ++i) ++drawn[all[random() % count]];
     found.push_back(weightedPercentile(values, drawn, share));
   }
-  return percentile(std::move(found), 0.95);
+  return percentile(std::move(found), 0.975);
 }
 
 }  // namespace palpate

@@ -5,9 +5,11 @@
 
 namespace palpate {
 
-/// An upper bound of a percentile: that of the pooled values of motions drawn with replacement, 400
-/// times; 95 of 100 draws lie below. Motions, not values, are drawn, since values of one motion are
-/// alike. The same values give the same bound. 0 of nothing.
+/// An upper bound of a percentile over as many other motions of the same kind. Motions are drawn
+/// with replacement twice: once for what the measured ones do not tell of all there are, and from
+/// these again for what another handful would differ by; 39 of 40 such draws lie below. Motions,
+/// not values, are drawn, since values of one motion are alike. The same values give the same
+/// bound. 0 of nothing.
 [[nodiscard]] double boundOf(const std::vector<std::vector<double>>& valuesByMotion, double share);
 
 }  // namespace palpate

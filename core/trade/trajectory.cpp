@@ -21,7 +21,7 @@ constexpr double kServoPeriod = 1e-3;
 constexpr double kAbove = 10e-3, kBelow = 1.5e-3, kReach = 8e-3;
 constexpr double kApproach_s = 1.0, kRest_s = 0.3;
 // Many short slides tell more of other motions than a long one.
-constexpr double kDown_s = 0.5, kSlide_s = 1.0;
+constexpr double kDown_s = 0.4, kSlide_s = 0.5;
 
 /// A pose in time, W.
 using Path = std::function<Eigen::Isometry3d(double t)>;
@@ -186,7 +186,7 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
 
 Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
   constexpr int kRays = 100;
-  constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.6, kIn_s = 0.4;
+  constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.5, kIn_s = 0.3;
   Random random(seed);
   int most = -1;
   Eigen::Vector3d site, out;

@@ -38,11 +38,11 @@ struct Surround {
 
 /// 10 mm down along -y of D to 1.5 mm below its origin within a second; then still for 0.3 s.
 [[nodiscard]] Trajectory approachPath(const PreparedScene& scene);
-/// Down as well, within half a second, then a second to and fro within 8 mm. The seed turns and
-/// times the slide.
+/// Down as well, within 0.4 s, then half a second to and fro within 8 mm. The seed turns and times
+/// the slide.
 [[nodiscard]] Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed);
 /// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch,
-/// then round it while the tool tilts by 10 degrees; a second. Empty where no way meets anything.
+/// then round it while the tool tilts by 10 degrees; 0.8 s. Empty where no way meets anything.
 [[nodiscard]] Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);
 /// As in the paper's Figure 6: from a random direction towards the centre at an even 50 mm/s, from

@@ -24,7 +24,7 @@ TEST(Trajectory, TheSlideComesDownAndGoesToAndFro) {
   const auto scene = prepared(ball());
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Trajectory path = slidePath(*scene, seed);
-    ASSERT_EQ(path.samples.size(), 1500U);
+    ASSERT_EQ(path.samples.size(), 900U);
     expectConsistent(path, 0.2);
     const Eigen::Isometry3d X_DW = scene->X_WD.inverse();
     EXPECT_NEAR((X_DW * position(path.samples.front().pose)).y(), 10e-3, 1e-9);
