@@ -28,7 +28,7 @@ struct Counts {
 Counts countsOf(TradeEffort effort) {
   switch (effort) {
     case TradeEffort::Quick:
-      return {12, 12, 24};
+      return {20, 20, 40};
     case TradeEffort::Full:
       return {160, 160, 400};
     default:

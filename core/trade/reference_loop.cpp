@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/pose.h"
 
@@ -39,6 +40,13 @@ struct NearPoint {
   std::size_t index = 0;  // in the shell
 };
 
+/// Points that follow each other in the shell: none is looked at before one may be near.
+constexpr std::size_t kBlock = 64;
+struct Block {
+  double lever = 0.0;  // m, of the farthest from T's origin
+  double due = 0.0;    // the first of its points' (Loop::due_)
+};
+
 class Loop {
  public:
   Loop(const ReferenceTool& tool, const ReferenceShape& shape) : tool_(tool), shape_(shape) {
@@ -48,8 +56,11 @@ class Loop {
         std::max(tool.damping, 2.0 * kDampingRatio * std::sqrt(tool.stiffness * tool.mass.mass));
     dampingTR_ =
         std::max(tool.dampingR, 2.0 * kDampingRatio * std::sqrt(tool.stiffnessR * inertiaO));
-    for (const Eigen::Vector3d& p : tool.points_T) lever_.push_back(p.norm());
-    farther_.assign(tool.points_T.size(), 0.0);
+    for (std::size_t i = 0; i < tool.points_T.size(); ++i) {
+      if (i % kBlock == 0) blocks_.emplace_back();
+      blocks_.back().lever = std::max(blocks_.back().lever, tool.points_T[i].norm());
+    }
+    due_.assign(tool.points_T.size(), 0.0);
     held_.assign(tool.points_T.size(), Eigen::Vector3d::Zero());
   }
 
@@ -57,7 +68,9 @@ class Loop {
     p_ = position(pose);
     q_ = orientation(pose);
     twist_.setZero();
-    std::fill(farther_.begin(), farther_.end(), 0.0);
+    moved_ = turned_ = 0.0;
+    for (Block& block : blocks_) block.due = 0.0;
+    std::fill(due_.begin(), due_.end(), 0.0);
     std::fill(held_.begin(), held_.end(), Eigen::Vector3d::Zero());
   }
 
@@ -110,8 +123,8 @@ class Loop {
     gather(solver, h);
     relax();
     keepImpulses();
-    moved_ = h * twist_.head<3>().norm();
-    turned_ = h * twist_.tail<3>().norm();
+    moved_ += h * twist_.head<3>().norm();
+    turned_ += h * twist_.tail<3>().norm();
     p_ += h * twist_.head<3>();
     q_ = (turn(h * Eigen::Vector3d(twist_.tail<3>())) * q_).normalized();
   }
@@ -120,28 +133,40 @@ class Loop {
     near_.clear();
     deepest_ = 0.0;
     const Eigen::Matrix3d R = q_.toRotationMatrix();
-    for (std::size_t i = 0; i < tool_.points_T.size(); ++i) {
-      const Eigen::Vector3d& p_T = tool_.points_T[i];
-      farther_[i] -= moved_ + turned_ * lever_[i];
-      if (farther_[i] > 0.0) continue;
-      const Eigen::Vector3d r = R * p_T;
-      farther_[i] = shape_.clearance(p_ + r, kMargin);
-      if (farther_[i] > 0.0) continue;
-      const double d = shape_.distance(p_ + r);
-      if (!(d < kMargin)) continue;
-      deepest_ = std::max(deepest_, -d);
-      NearPoint point;
-      const Eigen::Vector3d n = shape_.normal(p_ + r);
-      const Eigen::Vector3d t = n.unitOrthogonal();
-      point.frame << n.transpose(), t.transpose(), n.cross(t).transpose();
-      point.jacobian << point.frame, -point.frame * crossOf(r);
-      point.answer = solver.solve(point.jacobian.transpose());
-      point.leastSpeed = std::min(-d / h, kFastestOut);
-      if (tool_.frictionAt) point.friction = tool_.frictionAt(p_ + r);
-      point.index = i;
-      near_.push_back(point);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      Block& block = blocks_[b];
+      const double path = moved_ + turned_ * block.lever;
+      if (path < block.due) continue;
+      const std::size_t end = std::min((b + 1) * kBlock, due_.size());
+      block.due = std::numeric_limits<double>::infinity();
+      for (std::size_t i = b * kBlock; i < end; ++i) {
+        if (path >= due_[i]) {
+          const Eigen::Vector3d r = R * tool_.points_T[i];
+          const double free = std::max(shape_.clearance(p_ + r, kMargin), 0.0);
+          due_[i] = path + free;
+          if (free == 0.0) addNear(i, r, solver, h);
+        }
+        block.due = std::min(block.due, due_[i]);
+      }
     }
     startFromHeld();
+  }
+
+  void addNear(std::size_t i, const Eigen::Vector3d& r, const Eigen::LDLT<Matrix6>& solver,
+               double h) {
+    const double d = shape_.distance(p_ + r);
+    if (!(d < kMargin)) return;
+    deepest_ = std::max(deepest_, -d);
+    NearPoint point;
+    const Eigen::Vector3d n = shape_.normal(p_ + r);
+    const Eigen::Vector3d t = n.unitOrthogonal();
+    point.frame << n.transpose(), t.transpose(), n.cross(t).transpose();
+    point.jacobian << point.frame, -point.frame * crossOf(r);
+    point.answer = solver.solve(point.jacobian.transpose());
+    point.leastSpeed = std::min(-d / h, kFastestOut);
+    if (tool_.frictionAt) point.friction = tool_.frictionAt(p_ + r);
+    point.index = i;
+    near_.push_back(point);
   }
 
   /// Contacts last: the impulses of the part before are close to those of this one.
@@ -197,10 +222,10 @@ class Loop {
   const ReferenceTool& tool_;
   const ReferenceShape& shape_;
   double dampingT_ = 0.0, dampingTR_ = 0.0;
-  double moved_ = 0.0, turned_ = 0.0;  // m and rad, in the last part
+  double moved_ = 0.0, turned_ = 0.0;  // m and rad, since the reset
   double deepest_ = 0.0;               // m, as the last part began
-  std::vector<double> lever_;          // of each point from T's origin, m
-  std::vector<double> farther_;        // of each point, m: at least so far from the margin
+  std::vector<Block> blocks_;
+  std::vector<double> due_;  // of each point: the path, m, on which it may come near
   Eigen::Vector3d p_ = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_ = Eigen::Quaterniond::Identity();
   Vector6 twist_ = Vector6::Zero();

@@ -139,6 +139,52 @@ int enclosure(const ReferenceShape& shape, const Eigen::Vector3d& p) {
   return met;
 }
 
+/// A way in from outside.
+struct Way {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ(), towards = Eigen::Vector3d::Zero();
+  int enclosure = -1;  ///< Of where it ends.
+};
+
+struct Enclosed {
+  Way way;
+  Eigen::Vector3d site = Eigen::Vector3d::Zero();  ///< Of the tip.
+};
+
+/// Where the tool gets to on a way, and how enclosed that is.
+std::optional<Enclosed> along(const ReferenceShape& shape, const Surround& surround, Way way) {
+  const auto touch = firstTouch(shape, surround, way.direction, 0.0, way.towards);
+  if (!touch) return std::nullopt;
+  way.enclosure = enclosure(shape, *touch + 1e-3 * way.direction);
+  return Enclosed{way, *touch};
+}
+
+/// Of random ways, the one that ends in the most enclosed place: the tip alone tells which are
+/// worth the whole tool, which has no room everywhere.
+std::optional<Enclosed> mostEnclosed(const ReferenceShape& shape, const Surround& surround,
+                                     std::uint64_t seed) {
+  constexpr int kWays = 100;
+  constexpr std::size_t kTried = 12;
+  Random random(seed);
+  Surround tip = surround;
+  tip.points_T = {Eigen::Vector3d::Zero()};
+  std::vector<Way> ways;
+  for (int i = 0; i < kWays; ++i) {
+    const auto direction = directionOf(random, surround);
+    if (!direction) break;
+    const Eigen::Vector3d aside = 0.4 * surround.radius * random.uniform() * random.direction();
+    const auto found = along(shape, tip, {*direction, surround.centre_W + aside, -1});
+    if (found) ways.push_back(found->way);
+  }
+  std::stable_sort(ways.begin(), ways.end(),
+                   [](const Way& a, const Way& b) { return a.enclosure > b.enclosure; });
+  std::optional<Enclosed> best;
+  for (std::size_t i = 0; i < std::min(kTried, ways.size()); ++i) {
+    const auto found = along(shape, surround, ways[i]);
+    if (found && (!best || found->way.enclosure > best->way.enclosure)) best = found;
+  }
+  return best;
+}
+
 }  // namespace
 
 Surround surroundOf(const PreparedScene& scene) {
@@ -185,25 +231,11 @@ Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed) {
 }
 
 Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround, std::uint64_t seed) {
-  constexpr int kRays = 100;
   constexpr double kRound = 1.5e-3, kTilt = kPi / 18.0, kRound_s = 0.5, kIn_s = 0.3;
-  Random random(seed);
-  int most = -1;
-  Eigen::Vector3d site, out;
-  for (int ray = 0; ray < kRays; ++ray) {
-    const auto direction = directionOf(random, surround);
-    if (!direction) break;
-    const Eigen::Vector3d aside = 0.4 * surround.radius * random.uniform() * random.direction();
-    const auto touch = firstTouch(shape, surround, *direction, 0.0, surround.centre_W + aside);
-    if (!touch) continue;
-    const int met = enclosure(shape, *touch + 1e-3 * *direction);
-    if (met <= most) continue;
-    most = met;
-    site = *touch;
-    out = *direction;
-  }
+  const auto found = mostEnclosed(shape, surround, seed);
   Trajectory path{"cavity " + std::to_string(seed), {}, 0, true};
-  if (most < 0) return path;
+  if (!found) return path;
+  const Eigen::Vector3d site = found->site, out = found->way.direction;
   const Eigen::Vector3d u = out.unitOrthogonal(), v = out.cross(u);
   path.samples = sampled(
       [=](double t) {

@@ -55,7 +55,7 @@ TEST_F(Sweep, BeginsWithTheReferenceWhichHasNoErrorAndIsNotOffered) {
   EXPECT_FALSE(reference.offered);
   EXPECT_FALSE(reference.onFront);
   EXPECT_EQ(sweep_.points[1].name, "default");
-  EXPECT_EQ(sweep_.trajectories.size(), 49U);
+  EXPECT_EQ(sweep_.trajectories.size(), 81U);
 }
 
 TEST_F(Sweep, TheLoopsAgreeWhereThePointsAreTheSame) {
