@@ -5,6 +5,8 @@
 #include <set>
 
 #include "core/base/progress_part.h"
+#include "core/base/short_number.h"
+#include "core/geometry/units.h"
 #include "core/trade/bench.h"
 #include "core/trade/choice.h"
 
@@ -73,6 +75,24 @@ std::vector<NamedSetting> stepsDown(const SimulationSetting& own,
     }
   }
   return more;
+}
+
+/// Resolutions and shells between those that are tried, and beyond: a line wants more than three
+/// points.
+std::vector<NamedSetting> forGrowth(const SimulationSetting& own, double spacing) {
+  std::vector<NamedSetting> all;
+  for (const int joined : {3, 6, 8}) {
+    NamedSetting named{"voxels=" + std::to_string(joined) + "x", {own}, "voxels", {}};
+    named.setting.coarsening = joined;
+    all.push_back(std::move(named));
+  }
+  for (const double factor : {0.7, 1.4, 2.8}) {
+    const double shell = factor * spacing;
+    NamedSetting named{formatted("shell=%.2fmm", millimetres(shell)), {own}, "shell", {}};
+    named.setting.simulation.shellSpacing = shell;
+    all.push_back(std::move(named));
+  }
+  return all;
 }
 
 std::vector<Growth> growthOf(const std::vector<TradePoint>& points, Bench& bench) {
@@ -148,10 +168,15 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
     const std::size_t count = request.effort == TradeEffort::Full ? 200 : 50;
     const auto random = randomChanges(own, options, count, request.seed);
     more.insert(more.end(), random.begin(), random.end());
-    if (auto done = measureAll(*bench, more, shareOf(progress, end, 0.98), sweep.points); !done) {
+    if (auto done = measureAll(*bench, more, shareOf(progress, end, 0.95), sweep.points); !done) {
       return fail(done.error());
     }
-    sweep.growth = growthOf(sweep.points, *bench);
+    std::vector<TradePoint> grown = sweep.points;
+    const auto steps = forGrowth(own, bench->variants().spacingOf(own));
+    if (auto done = measureAll(*bench, steps, shareOf(progress, 0.95, 1.0), grown); !done) {
+      return fail(done.error());
+    }
+    sweep.growth = growthOf(grown, *bench);
   }
   if (quick && request.limit_us > 0.0) {
     const auto more = stepsDown(own, options, singles, sweep.points, request.limit_us);

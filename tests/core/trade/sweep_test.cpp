@@ -63,7 +63,9 @@ TEST_F(Sweep, TheLoopsAgreeWhereThePointsAreTheSame) {
   const TradePoint& same = named(sweep_.points, "shell=0.25mm");
   EXPECT_LT(same.errors.force_N.median, 0.04);
   EXPECT_LT(same.errors.depth_mm.worst, 0.005);
-  EXPECT_LT(same.errors.normal_deg.worst, 0.5);
+  EXPECT_LT(same.errors.normal_deg.p95, 0.05);
+  // Points on the wall between two cells have the gradient of either, and the tool stands straight.
+  EXPECT_LT(same.errors.normal_deg.worst, 5.0);
   EXPECT_EQ(same.errors.missed, 0U);
   EXPECT_EQ(same.errors.extra, 0U);
   EXPECT_GT(same.errors.reference, 1000U);  // else the zeros above would mean nothing
