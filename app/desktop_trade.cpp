@@ -5,6 +5,7 @@
 
 #include "app/accuracy.h"
 #include "app/desktop_loop.h"
+#include "core/simulation/plan.h"
 
 namespace palpate {
 namespace {
@@ -83,7 +84,7 @@ void Desktop::applyTrade(const std::string& name) {
                         return complain(prepared.error(), "The simulation is as it was.");
                       for (const PlanRow& now : (*prepared)->plan) {
                         for (PlanRow& shown : model_.simulate.plan) {
-                          if (now.what == "governor" && shown.what == now.what) shown = now;
+                          if (now.what == kGovernorRow && shown.what == now.what) shown = now;
                         }
                       }
                       takeScene(*prepared);
