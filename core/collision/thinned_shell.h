@@ -30,6 +30,7 @@ struct ThinnedShell {
 /// such node on the way down), and every point that is in none.
 [[nodiscard]] ThinnedShell thinToBound(const ShellHierarchy& shell, const ShellBlocks& blocks,
                                        double bound);
+
 /// Of one shell, what thinToBound() made for the finders so far: finders of the same bound share
 /// it. Any thread; not for the loops.
 class ThinnedShells {

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include "core/collision/contact_finder.h"
 #include "core/collision/shell_hierarchy.h"
+#include "core/collision/thinned_shell.h"
 #include "core/collision/voxel_body_shell.h"
 #include "tests/core/collision/oracle.h"
 #include "tests/core/voxels/test_volumes.h"
@@ -189,6 +191,23 @@ TEST(PerceptualBound, BelowTheDistanceOfPointsIsExact) {
     EXPECT_EQ(result.status, QueryStatus::Complete);
     EXPECT_EQ(result.contactCount, findAll(scene.tree, scene.shell, {}, X).size());
   }
+}
+
+TEST(ThinnedShells, FindersOfOneBoundShareWhatWasMade) {
+  const PointShell shell = ballShell(6000);
+  const PointShell::Data& data = shell.data();
+  std::vector<std::shared_ptr<const ThinnedShell>> made(4);
+  std::vector<std::thread> threads;
+  for (auto& mine : made) {
+    threads.emplace_back([&] { mine = data.thinned->toBound(data.hierarchy, data.blocks, 1e-3); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& mine : made) EXPECT_EQ(mine, made[0]);
+  const auto other = data.thinned->toBound(data.hierarchy, data.blocks, 2e-3);
+  EXPECT_NE(other, made[0]);
+  EXPECT_LT(other->hierarchy.size(), made[0]->hierarchy.size());
+  EXPECT_EQ(made[0]->hierarchy.order,
+            thinToBound(data.hierarchy, data.blocks, 1e-3).hierarchy.order);
 }
 
 }  // namespace
