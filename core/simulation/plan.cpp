@@ -61,22 +61,21 @@ const char* limitText(ReachLimit limit) {
 /// What the scene asks to leave out, and what of it is; what it does not ask for has no row.
 void addReach(const PreparedScene& prepared, std::vector<PlanRow>& plan) {
   const ReachSaving& saving = prepared.saving;
-  const Reach reach = prepared.scene.reach;
+  const ReachLimit limit = prepared.reachLimit;
+  const auto leftOut = [](std::size_t voxels) {
+    return std::to_string(voxels) + " labelled voxels left out";
+  };
   if (prepared.scene.region) {
-    plan.push_back(
-        {kRegionRow, false, std::to_string(saving.outsideRegion) + " labelled voxels left out", 0});
+    plan.push_back({kRegionRow, saving.outsideRegion == 0, leftOut(saving.outsideRegion), 0});
   }
+  if (prepared.scene.reach == Reach::All) return;
   std::string cavities = share(saving.cavitiesFilled, saving.cavities, "filled, ") +
                          share(saving.filledVoxels, saving.cavityVoxels, "voxels");
-  if (reach == Reach::All) cavities = "the scene keeps all";
-  if (prepared.reachLimit == ReachLimit::CutDescent) cavities = limitText(prepared.reachLimit);
-  plan.push_back({kCavitiesRow, reach == Reach::All || saving.cavitiesFilled == 0, cavities, 0});
-  if (reach != Reach::Device) return;
-  const bool kept = prepared.reachLimit != ReachLimit::None;
-  plan.push_back({kWorkspaceRow, kept,
-                  kept ? limitText(prepared.reachLimit)
-                       : std::to_string(saving.outsideDevice) + " labelled voxels left out",
-                  0});
+  if (limit == ReachLimit::CutDescent) cavities = limitText(limit);
+  plan.push_back({kCavitiesRow, saving.cavitiesFilled == 0, cavities, 0});
+  if (prepared.scene.reach != Reach::Device) return;
+  plan.push_back({kWorkspaceRow, saving.outsideDevice == 0,
+                  limit == ReachLimit::None ? leftOut(saving.outsideDevice) : limitText(limit), 0});
 }
 
 void addTree(const PreparedScene& prepared, std::vector<PlanRow>& plan) {

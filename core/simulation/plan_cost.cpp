@@ -149,7 +149,8 @@ Result<std::size_t> bytesEverywhere(const PreparedScene& scene, const Progress& 
   return bytesWith(scene, std::move(more), scene.wholeLabels, progress);
 }
 
-/// Each row as if the others stayed: the cavities of what the device reaches.
+/// The region's and the workspace's rows as if the others stayed; the cavities' of all within the
+/// region. A scene that its region alone makes small enough has no bytes there.
 Result<void> weighWhatIsLeftOut(const PreparedScene& scene, std::vector<PlanRow>& plan,
                                 const Progress& progress) {
   const std::size_t here = bytesOf(*scene.tree);
@@ -161,8 +162,8 @@ Result<void> weighWhatIsLeftOut(const PreparedScene& scene, std::vector<PlanRow>
   };
   if (scene.saving.outsideRegion > 0) {
     const auto bytes = bytesEverywhere(scene, progress);
-    if (!bytes) return fail(bytes.error());
-    weigh(kRegionRow, *bytes, here);
+    if (!bytes && bytes.error().kind == ErrorKind::Cancelled) return fail(bytes.error());
+    if (bytes) weigh(kRegionRow, *bytes, here);
   }
   if (scene.saving.outsideDevice > 0) {
     const auto bytes = bytesReaching(scene, Reach::Sealed, progress);

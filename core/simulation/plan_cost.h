@@ -32,8 +32,9 @@ struct StepCosts {
 
 enum class WholeTree : std::uint8_t { Skip, Build };
 
-/// The scene's plan with its costs. With WholeTree::Build the trees that nothing, or only sealed
-/// cavities, are left out of are built too, so that what is left out has exact bytes.
+/// The scene's plan with its costs. With WholeTree::Build the trees of the anatomy without its
+/// region, without the device's reach and with its cavities are built too, so that what is left out
+/// has exact bytes.
 [[nodiscard]] Result<std::vector<PlanRow>> measuredPlan(
     const std::shared_ptr<const PreparedScene>& scene, WholeTree whole,
     const Progress& progress = {});

@@ -132,8 +132,8 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   const FeltLabels moves = *bodyLabels(scene, table);
   const FeltLabels felt = withBodies(*anatomy, moves);
   ReachSaving saving;
-  const std::shared_ptr<const LabelGrid> whole = scene.region ? labels : nullptr;
-  labels = withinRegion(std::move(labels), scene.region, felt, saving);
+  const auto whole = labels;
+  labels = withinRegion(labels, scene.region, felt, saving);
   if (auto checked = checkRegion(*labels, felt, saving); !checked) return fail(checked.error());
   const auto values = presentLabels(scene, *labels, *anatomy);
   if (!values) return fail(values.error());
@@ -142,7 +142,7 @@ Result<std::shared_ptr<const PreparedScene>> prepareScene(
   prepared->scene = scene;
   prepared->instrument = instrument;
   prepared->labels = std::move(labels);
-  prepared->wholeLabels = whole;
+  if (saving.outsideRegion > 0) prepared->wholeLabels = whole;
   prepared->table = table;
   prepared->materials = materials;
   if (auto assigned = assignMaterials(*prepared, felt); !assigned) return fail(assigned.error());

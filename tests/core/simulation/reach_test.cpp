@@ -289,6 +289,12 @@ TEST(Reach, BeyondTheDeviceNothingIsInTheTreeAndWithinNothingChanges) {
     const auto near = prepareScene(scene, grid, boneTable(), datasetMaterials(), little);
     ASSERT_TRUE(whole && near);
     EXPECT_GT((*near)->saving.outsideDevice, 10000U);
+    const auto row = std::find_if((*near)->plan.begin(), (*near)->plan.end(),
+                                  [](const PlanRow& r) { return r.what == kWorkspaceRow; });
+    ASSERT_NE(row, (*near)->plan.end());
+    EXPECT_FALSE(row->modelled);
+    EXPECT_EQ(row->why,
+              std::to_string((*near)->saving.outsideDevice) + " labelled voxels left out");
     EXPECT_LT((*near)->tree->stats().payloadBytes, (*whole)->tree->stats().payloadBytes);
     std::size_t touching = 0;
     Query ofWhole(**whole), ofNear(**near);
