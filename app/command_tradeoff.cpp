@@ -129,7 +129,7 @@ void addTradeoffCommand(CommandSet& commands) {
       ->check(CLI::ExistingFile);
   sub->add_option("--out", options->out,
                   "Folder for tradeoff.csv, tradeoff.json, front and options as .svg and .png");
-  auto* quick = sub->add_flag("--quick", options->quick, "Seconds: what can be felt, few motions");
+  auto* quick = sub->add_flag("--quick", options->quick, "Seconds: what can be felt, 81 motions");
   sub->add_flag("--full", options->full, "Four times as many motions and combinations")
       ->excludes(quick);
   sub->add_flag("--choose", options->choose, "Choose the most accurate setting under the deadline");

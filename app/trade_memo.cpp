@@ -18,7 +18,7 @@ using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr const char* kFile = "trade.cache.json";
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 /// The processor's name and how many there are.
 std::string machineName() {

@@ -54,6 +54,7 @@ ordered_json pointJson(const TradePoint& point) {
   json["promise"] = {{"force_error_p95_N", point.promise.force_N},
                      {"depth_error_p95_mm", point.promise.depth_mm},
                      {"step_p999_us", point.promise.p999_us}};
+  json["motions_left_out"] = point.leftOut;
   json["on_front"] = point.onFront;
   json["offered"] = point.offered;
   json["setting"] = settingJson(point.setting.simulation);

@@ -128,10 +128,10 @@ Result<void> Bench::addMotions(const Progress& progress) {
   const auto add = [&](std::size_t i) { motions_[i] = motionOf(all[i]); };
   if (!forEach(all.size(), progress, add)) return fail(cancelled());
   std::erase_if(motions_, [](const Motion& motion) { return motion.trajectory.samples.empty(); });
-  std::erase_if(motions_, [this](const Motion& motion) {
+  for (const Motion& motion : motions_) {
     if (!motion.reference.settled) leftOut_.push_back(motion.trajectory.name);
-    return !motion.reference.settled;
-  });
+  }
+  std::erase_if(motions_, [](const Motion& motion) { return !motion.reference.settled; });
   if (motions_.empty()) {
     return fail(checkFailed("There is nothing to measure: the reference settles on no motion.")
                     .butFound(std::to_string(leftOut_.size()) + " motions that were tried")
@@ -195,7 +195,7 @@ TradeCost Bench::costOf(const PreparedScene& scene, bool reference) const {
   cost.testsP50 = percentile(tests_, 0.5);
   cost.testsP99 = percentile(tests_, 0.99);
   cost.shellPoints = scene.shell->size();
-  // The reference has no tree: the labels themselves, and a number for each voxel it looked at.
+  // The reference has no tree: the labels themselves.
   cost.bytes = reference ? scene.labels->labels.size() : bytesOf(scene);
   cost.build_ms = reference ? 0.0 : scene.tree->stats().buildMs;
   return cost;
@@ -212,6 +212,8 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   slowest_.clear();
   tests_.clear();
   const Judged* judged = exact ? nullptr : judgedFor(**scene, progress);
+  if (!exact && judged == nullptr) return fail(cancelled());
+  std::size_t leftOut = 0;
   ErrorSamples errors;
   for (std::size_t i = 0; i < motions_.size(); ++i) {
     const Motion& motion = motions_[i];
@@ -219,6 +221,10 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
     const Pass pass =
         exact ? runReferencePass(**scene, *(*scene)->shell, gains, *shape_, motion.trajectory)
               : runPass(*scene, gains, motion.trajectory, kRepeats);
+    if (!pass.settled) {
+      ++leftOut;
+      continue;
+    }
     addCost(pass);
     errors.addFelt(motion.trajectory, pass.felt, motion.reference.felt);
     if (exact) {
@@ -234,6 +240,7 @@ Result<TradePoint> Bench::measure(const NamedSetting& named, const Progress& pro
   point.value = named.value;
   point.setting = named.setting;
   point.errors = errors.errors();
+  point.leftOut = leftOut;
   point.cost = costOf(**scene, exact);
   point.promise = {errors.promisedForce(), errors.promisedDepth(), boundOf(slowest_, 0.999)};
   point.offered = named.setting.coarsening == 1 && !exact;

@@ -22,7 +22,7 @@ class Bench {
   [[nodiscard]] static Result<Bench> create(const PreparedScene& base, const TradeRequest& request,
                                             const Progress& progress);
 
-  /// The reference as a point: no error, and what it costs.
+  /// The reference as a point: no error, and what it costs, others of its motions running beside.
   [[nodiscard]] const TradePoint& reference() const noexcept { return reference_; }
   [[nodiscard]] std::vector<std::string> names() const;
   /// Motions that are left out, since the reference did not settle (reference_loop.h).

@@ -14,7 +14,7 @@ namespace palpate {
 /// What a scene can declare, and what only a measurement changes.
 struct TradeSetting {
   SimulationSetting simulation;
-  int coarsening = 1;            ///< Voxels of the anatomy joined along each axis: 1, 2, 4.
+  int coarsening = 1;            ///< Voxels of the anatomy joined along each axis.
   bool doublePrecision = false;  ///< The reference's own query and loop, with this shell.
 };
 

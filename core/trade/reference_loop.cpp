@@ -69,6 +69,7 @@ class Loop {
     q_ = orientation(pose);
     twist_.setZero();
     moved_ = turned_ = 0.0;
+    wasOut_ = false;
     for (Block& block : blocks_) block.due = 0.0;
     std::fill(due_.begin(), due_.end(), 0.0);
     std::fill(held_.begin(), held_.end(), Eigen::Vector3d::Zero());
@@ -76,6 +77,7 @@ class Loop {
 
   void tick(const DeviceSample& sample) {
     const double h = kTick / kParts;
+    deepest_ = 0.0;
     const Eigen::Vector3d v(sample.v[0], sample.v[1], sample.v[2]);
     const Eigen::Vector3d w(sample.w[0], sample.w[1], sample.w[2]);
     for (int part = 1; part <= kParts; ++part) {
@@ -84,12 +86,14 @@ class Loop {
       const Eigen::Quaterniond turned = turn(part * h * w) * orientation(sample.pose);
       step(goal, turned, v, w, h);
     }
+    wasOut_ = wasOut_ || deepest_ <= kLost;
   }
 
   [[nodiscard]] PlainPose pose() const { return plain(p_, q_); }
   [[nodiscard]] Eigen::Vector3d v() const { return twist_.head<3>(); }
   [[nodiscard]] Eigen::Vector3d w() const { return twist_.tail<3>(); }
-  [[nodiscard]] bool lost() const { return deepest_ > kLost; }
+  /// A tool that starts inside has to have been out.
+  [[nodiscard]] bool lost() const { return wasOut_ && deepest_ > kLost; }
 
  private:
   static Eigen::Quaterniond turn(const Eigen::Vector3d& rotation) {
@@ -131,7 +135,6 @@ class Loop {
 
   void gather(const Eigen::LDLT<Matrix6>& solver, double h) {
     near_.clear();
-    deepest_ = 0.0;
     const Eigen::Matrix3d R = q_.toRotationMatrix();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       Block& block = blocks_[b];
@@ -223,7 +226,8 @@ class Loop {
   const ReferenceShape& shape_;
   double dampingT_ = 0.0, dampingTR_ = 0.0;
   double moved_ = 0.0, turned_ = 0.0;  // m and rad, since the reset
-  double deepest_ = 0.0;               // m, as the last part began
+  double deepest_ = 0.0;               // m, of the last tick's parts as they began
+  bool wasOut_ = false;
   std::vector<Block> blocks_;
   std::vector<double> due_;  // of each point: the path, m, on which it may come near
   Eigen::Vector3d p_ = Eigen::Vector3d::Zero();

@@ -33,7 +33,7 @@ struct ReferenceTool {
 
 /// The tool at the end of each tick; as many as samples, fewer where it did not settle. W.
 struct ReferenceRun {
-  bool settled = true;  ///< No point was ever more than 0.1 mm inside.
+  bool settled = true;  ///< Once out, no point was more than 0.1 mm inside when a part began.
   std::vector<PlainPose> tool;
   std::vector<Eigen::Vector3d> v, w;  ///< Of T's origin, m/s and rad/s.
   std::vector<double> micros;         ///< Compute time of each tick.

@@ -24,9 +24,9 @@
 
 namespace palpate {
 
-/// How much is tried: `Quick` takes seconds (a dozen settings that differ; few motions),
-/// `Whole` minutes (single changes, pairs of the five options that matter most, 50 random
-/// combinations; 50 random approaches), `Full` four times as many of both.
+/// How much is tried: `Quick` takes seconds (a dozen settings that differ, 81 motions), `Whole`
+/// minutes (single changes, pairs of the five options that matter most, 50 random combinations; 181
+/// motions, 100 of them random approaches), `Full` four times as many of both.
 enum class TradeEffort : std::uint8_t { Quick, Whole, Full };
 
 struct TradeRequest {
@@ -47,7 +47,7 @@ struct TradeCost {
   double build_ms = 0;  ///< Of the tree.
 };
 
-/// What holds within a tenth over other motions of the same kind, 19 times in 20 (promise.h).
+/// What is promised of other motions of the same kind (promise.h).
 struct TradePromise {
   double force_N = 0, depth_mm = 0;  ///< p95 of the errors.
   double p999_us = 0;                ///< Of a step, from the longest of its repeats.
@@ -60,6 +60,7 @@ struct TradePoint {
   TradeErrors errors;
   TradeCost cost;
   TradePromise promise;
+  std::size_t leftOut = 0;  ///< Motions on which the reference's own loop, as a setting, is lost.
   bool onFront = false;
   bool offered = true;  ///< A scene can declare it. The reference, for one, it cannot.
 };

@@ -41,7 +41,8 @@ struct Surround {
 /// Down as well, within 0.4 s, then half a second to and fro within 8 mm. The seed turns and times
 /// the slide.
 [[nodiscard]] Trajectory slidePath(const PreparedScene& scene, std::uint64_t seed);
-/// Into the most enclosed place that 100 random ways in find, to 1.5 mm behind the first touch,
+/// Into the most enclosed place that the tool gets to on twelve of 100 random ways in, those whose
+/// tip alone ends most enclosed, to 1.5 mm behind the first touch,
 /// then round it while the tool tilts by 10 degrees; 0.8 s. Empty where no way meets anything.
 [[nodiscard]] Trajectory cavityPath(const ReferenceShape& shape, const Surround& surround,
                                     std::uint64_t seed);

@@ -112,10 +112,13 @@ TEST(ReferenceLoop, ATurnedHandTurnsTheTool) {
   EXPECT_LT(orientation(run.tool.back()).angularDistance(goal), 1e-4);
 }
 
-/// Two walls that stand closer together than the points: wherever they are, one is inside.
+/// Two walls that come together below, and push sideways only: nothing keeps a hand from driving a
+/// tool in.
 class Vice final : public ReferenceShape {
  public:
-  double distance(const Eigen::Vector3d& p) const override { return 2e-3 - std::abs(p.x()); }
+  double distance(const Eigen::Vector3d& p) const override {
+    return 2e-3 + 0.1 * p.z() - std::abs(p.x());
+  }
   double clearance(const Eigen::Vector3d& p, double margin) const override {
     return distance(p) - margin;
   }
@@ -126,15 +129,27 @@ class Vice final : public ReferenceShape {
 
 TEST(ReferenceLoop, ThatCannotSettleSaysSoAndEnds) {
   ReferenceTool tool = ballTool(0.0);
-  tool.points_T = {{-2.2e-3, 0, 0}, {2.2e-3, 0, 0}};
-  const std::vector<DeviceSample> samples(50);
-  const ReferenceRun run = runReference(tool, Vice{}, samples);
-  EXPECT_FALSE(run.settled);
-  EXPECT_LT(run.tool.size(), 50U);
   tool.points_T = {{-1.9e-3, 0, 0}, {1.9e-3, 0, 0}};
-  const ReferenceRun fits = runReference(tool, Vice{}, samples);
+  const auto down = path({0, 0, 0}, {0, 0, -10e-3}, 200, 0);
+  const ReferenceRun run = runReference(tool, Vice{}, down);
+  EXPECT_FALSE(run.settled);
+  EXPECT_LT(run.tool.size(), down.size());
+  // Narrower where the tool has room: a millimetre down at 0.1.
+  ASSERT_FALSE(run.tool.empty());
+  EXPECT_LT(run.tool.back().p[2], -1e-3);
+  const ReferenceRun fits = runReference(tool, Vice{}, path({0, 0, 5e-3}, {0, 0, 0}, 200, 0));
   EXPECT_TRUE(fits.settled);
-  EXPECT_EQ(fits.tool.size(), 50U);
+  EXPECT_EQ(fits.tool.size(), 200U);
+}
+
+TEST(ReferenceLoop, AStartInsideComesOutAndIsNoLoss) {
+  const ReferenceTool tool = ballTool(0.0);
+  const auto shape = closedForm(KnownShape::Plane);
+  const Eigen::Vector3d start(0, 0, topOf(KnownShape::Plane).z() + kRadius - 0.5e-3);
+  const ReferenceRun run = runReference(tool, *shape, path(start, start, 1, 200));
+  EXPECT_TRUE(run.settled);
+  ASSERT_EQ(run.tool.size(), 201U);
+  EXPECT_NEAR(run.tool.back().p[2], start.z() + 0.5e-3, 0.05e-3);
 }
 
 }  // namespace

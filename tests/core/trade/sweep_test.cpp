@@ -1,5 +1,6 @@
 /// The whole sweep on anatomy of known shape, and faults that it has to see.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -110,12 +111,15 @@ TEST_F(Sweep, IsTheSameToTheLastBitAgainOnOneThread) {
   }
 }
 
-TEST_F(Sweep, CancelStopsIt) {
+class SweepCancelled : public Sweep, public testing::WithParamInterface<double> {};
+INSTANTIATE_TEST_SUITE_P(At, SweepCancelled, testing::Values(0.01, 0.16, 0.3));
+
+TEST_P(SweepCancelled, Stops) {
   CancelToken token;
   Progress progress;
   progress.cancel = &token;
   progress.report = [&token](double fraction, const std::string&) {
-    if (fraction > 0.3) token.cancel();
+    if (fraction > GetParam()) token.cancel();
   };
   const auto stopped = sweepTrade(*scene_, quick(), progress);
   ASSERT_FALSE(stopped);
@@ -193,6 +197,31 @@ TEST(Felt, AStateIsFeltFromItsTickOnNotBefore) {
       EXPECT_EQ(pass.felt.force_W[i].norm(), 0.0) << "nothing holds before the first step's end";
     }
   }
+}
+
+/// Bone that the scan's edge cuts open, and a hand that comes in through the cut.
+Trajectory throughTheEdge(const PreparedScene& scene) {
+  Trajectory path = approachPath(scene);
+  path.name = "through the edge";
+  const Eigen::Vector3d inside_W = scene.X_WV * scene.labels->geometry.centre_V(20, 32, 20);
+  for (std::size_t i = 0; i < path.samples.size(); ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(path.samples.size());
+    const Eigen::Vector3d p =
+        inside_W - scene.X_WV.linear() * Eigen::Vector3d((1.0 - t) * 60e-3, 0.0, 0.0);
+    for (int axis = 0; axis < 3; ++axis) path.samples[i].pose.p[axis] = p[axis];
+  }
+  return path;
+}
+
+TEST(LeftOut, AMotionThatTheReferenceIsLostOnIsNamedAndNotMeasured) {
+  const auto scene = prepared(syntheticGrid([](double, double, double z) { return z < 0.0; }));
+  TradeRequest request = quick();
+  request.recorded = {throughTheEdge(*scene)};
+  const auto bench = Bench::create(*scene, request, {});
+  ASSERT_TRUE(bench) << sentence(bench.error());
+  EXPECT_THAT(bench->leftOut(), testing::Contains("through the edge"));
+  EXPECT_THAT(bench->names(), testing::Not(testing::Contains("through the edge")));
+  EXPECT_THAT(bench->names(), testing::Contains("approach"));
 }
 
 // --- Faults: a setting that claims more accuracy than it has. -----------------------------------
