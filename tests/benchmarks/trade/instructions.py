@@ -4,8 +4,8 @@
     instructions.py SETTINGS_COUNTED CASE OUT.csv
 
 SETTINGS_COUNTED is the program of that name (target `settings_counted`). Counted by valgrind's
-callgrind within Simulation::step alone: the mean over an approach and four slides, the same at every
-run of the same build. Valgrind has no AVX-512: what is counted is the program's AVX2 path.
+callgrind within Simulation::step alone, on the thread that steps: the mean over an approach and four
+slides, the same at every run of the same build. Valgrind has no AVX-512: what is counted is the program's AVX2 path.
 """
 
 import csv
