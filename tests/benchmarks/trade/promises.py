@@ -4,7 +4,7 @@
     promises.py PALPATE OUT.csv CASE...
 
 For seeds 1, 3 ... 39 of each case: the setting that `palpate tradeoff CASE --quick --choose` picks, what
-it promises, and what the same setting has over the motions of the next seed. Five minutes for two cases;
+it promises, and what the same setting has over the motions of the next seed. Eight minutes for two cases;
 times want a quiet machine.
 """
 
