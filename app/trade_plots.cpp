@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/text_table.h"
 
@@ -89,6 +90,16 @@ struct Axes {
   }
 };
 
+/// The least of 1, 2, 5, 10 ... that leaves at most five lines below `high`.
+double roundStep(double high) {
+  const double least = high / 5.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double times : {1.0, 2.0, 5.0}) {
+    if (times * decade >= least) return times * decade;
+  }
+  return 10.0 * decade;
+}
+
 std::string gridOf(const Axes& axes, double limit_us) {
   std::string svg;
   for (double decade = 0.1; decade < axes.timeHigh; decade *= 10.0) {
@@ -97,10 +108,12 @@ std::string gridOf(const Axes& axes, double limit_us) {
     svg += textAt(axes.x(decade), Axes::kBottom + 18, "middle",
                   decimal(decade, decade < 1.0 ? 1 : 0) + " µs");
   }
-  for (int i = 0; i <= 4; ++i) {
-    const double error = axes.errorHigh * i / 4.0;
+  const double step = roundStep(axes.errorHigh);
+  const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+  for (int i = 0; i * step <= axes.errorHigh; ++i) {
+    const double error = i * step;
     svg += lineAt(Axes::kLeft, axes.y(error), Axes::kRight, axes.y(error), ruled(kRule));
-    svg += textAt(Axes::kLeft - 8, axes.y(error) + 4, "end", decimal(error, 2) + " N");
+    svg += textAt(Axes::kLeft - 8, axes.y(error) + 4, "end", decimal(error, digits) + " N");
   }
   svg += lineAt(axes.x(limit_us), Axes::kTop, axes.x(limit_us), Axes::kBottom,
                 R"(stroke="#E0A93B" stroke-width="2" stroke-dasharray="6 4")");
@@ -150,13 +163,21 @@ std::string frontSvg(const TradeReport& report) {
   }
   svg += "<polyline points=\"" + line + "\" fill=\"none\" stroke=\"" + kAccent +
          "\" stroke-width=\"2\"/>\n";
-  for (const TradePoint* point : drawn(report)) {
-    const bool chosen = report.chosen && report.chosen->name == point->name;
+  std::vector<const TradePoint*> points = drawn(report);  // what matters is drawn last
+  const auto isChosen = [&report](const TradePoint* point) {
+    return report.chosen && report.chosen->name == point->name;
+  };
+  std::stable_sort(points.begin(), points.end(), [&](const TradePoint* a, const TradePoint* b) {
+    return std::pair(isChosen(a), a->onFront) < std::pair(isChosen(b), b->onFront);
+  });
+  for (const TradePoint* point : points) {
+    const bool chosen = isChosen(point);
     const bool own = point->name == "default";
     const double x = axes.x(point->cost.p99_us), y = axes.y(point->errors.force_N.p95);
     svg += "<circle cx=\"" + decimal(x, 1) + "\" cy=\"" + decimal(y, 1) + "\" r=\"" +
-           (chosen || own ? "7" : "4") + "\" fill=\"" + (point->onFront ? kAccent : kGrey) +
-           "\"><title>" + xmlText(point->name) + "</title></circle>\n";
+           (chosen || own ? "7" : "4") + "\" fill=\"" +
+           (chosen || point->onFront ? kAccent : kGrey) + "\"><title>" + xmlText(point->name) +
+           "</title></circle>\n";
     if (own) svg += textAt(x + 10, y - 8, "start", chosen ? "default, chosen" : "default");
     if (chosen && !own) svg += textAt(x + 10, y - 26, "start", "chosen: " + point->name);
   }

@@ -217,6 +217,30 @@ TEST(TradeReport, EveryPointOfferedIsACircleAndWhatIsNotIsNone) {
   EXPECT_EQ(std::distance(circles.begin(), circles.end()), 2);
 }
 
+TEST(TradeReport, LinesOfTheErrorAreAtRoundNumbers) {
+  TradeReport report = threePoints();
+  const std::pair<double, const char*> worst[] = {
+      {3.66, ">4 N<"}, {0.9, ">0.8 N<"}, {0.05, ">0.04 N<"}, {19.0, ">20 N<"}};
+  for (const auto& [error, last] : worst) {
+    for (TradePoint& point : report.sweep.points) point.errors.force_N.p95 = error;
+    const std::string svg = frontSvg(report);
+    EXPECT_THAT(svg, testing::HasSubstr(last)) << error;
+    EXPECT_THAT(svg, testing::HasSubstr(error > 1.0   ? ">0 N<"
+                                        : error > 0.1 ? ">0.0 N<"
+                                                      : ">0.00 N<"));
+  }
+}
+
+TEST(TradeReport, TheChosenDotIsDrawnLast) {
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(frontSvg(threePoints()).c_str()));
+  std::string last;
+  for (const auto& circle : document.child("svg").children("circle")) {
+    last = circle.child("title").child_value();
+  }
+  EXPECT_EQ(last, "p2");
+}
+
 TEST(TradeReport, CsvQuotesNamesAndHasAsManyCellsAsHeadings) {
   const std::string csv = tradeCsv(threePoints());
   EXPECT_THAT(csv, testing::HasSubstr("\"a<b & \"\"c\"\"\",\"a\",\"\",0,1,"));
