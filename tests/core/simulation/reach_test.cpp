@@ -259,6 +259,12 @@ TEST(Reach, WhereDescentIsCutNothingIsLeftOut) {
   EXPECT_EQ(made->saving.filledVoxels, 0U);
 }
 
+const PlanRow* rowNamed(const std::vector<PlanRow>& plan, const char* what) {
+  const auto found =
+      std::find_if(plan.begin(), plan.end(), [what](const PlanRow& r) { return r.what == what; });
+  return found == plan.end() ? nullptr : &*found;
+}
+
 TEST(Reach, BeyondTheDeviceNothingIsInTheTreeAndWithinNothingChanges) {
   RecordProperty("seed", kSeed);
   std::mt19937 random(kSeed);
@@ -289,9 +295,8 @@ TEST(Reach, BeyondTheDeviceNothingIsInTheTreeAndWithinNothingChanges) {
     const auto near = prepareScene(scene, grid, boneTable(), datasetMaterials(), little);
     ASSERT_TRUE(whole && near);
     EXPECT_GT((*near)->saving.outsideDevice, 10000U);
-    const auto row = std::find_if((*near)->plan.begin(), (*near)->plan.end(),
-                                  [](const PlanRow& r) { return r.what == kWorkspaceRow; });
-    ASSERT_NE(row, (*near)->plan.end());
+    const PlanRow* row = rowNamed((*near)->plan, kWorkspaceRow);
+    ASSERT_NE(row, nullptr);
     EXPECT_FALSE(row->modelled);
     EXPECT_EQ(row->why,
               std::to_string((*near)->saving.outsideDevice) + " labelled voxels left out");
@@ -397,12 +402,6 @@ TEST(Plan, TellsWhatIsLeftOutAndWhatItWouldCost) {
   EXPECT_GT(response, 0.0);
   EXPECT_GT(motion, 0.0);
   EXPECT_GE(friction, 0.0);
-}
-
-const PlanRow* rowNamed(const std::vector<PlanRow>& plan, const char* what) {
-  const auto found =
-      std::find_if(plan.begin(), plan.end(), [what](const PlanRow& r) { return r.what == what; });
-  return found == plan.end() ? nullptr : &*found;
 }
 
 TEST(Plan, WhatASceneDoesNotAskToLeaveOutHasNoRow) {
