@@ -232,13 +232,15 @@ TEST(TradeReport, LinesOfTheErrorAreAtRoundNumbers) {
 }
 
 TEST(TradeReport, TheChosenDotIsDrawnLast) {
+  TradeReport report = threePoints();
+  report.chosen = report.sweep.points[0];
   pugi::xml_document document;
-  ASSERT_TRUE(document.load_string(frontSvg(threePoints()).c_str()));
+  ASSERT_TRUE(document.load_string(frontSvg(report).c_str()));
   std::string last;
   for (const auto& circle : document.child("svg").children("circle")) {
     last = circle.child("title").child_value();
   }
-  EXPECT_EQ(last, "p2");
+  EXPECT_EQ(last, "default");
 }
 
 TEST(TradeReport, CsvQuotesNamesAndHasAsManyCellsAsHeadings) {
