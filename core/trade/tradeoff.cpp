@@ -95,20 +95,6 @@ std::vector<NamedSetting> forGrowth(const SimulationSetting& own, double spacing
   return all;
 }
 
-/// Those of the settings that can be built: thin labels have no voxel left where many are joined.
-Result<void> measureWhatIsThere(Bench& bench, const std::vector<NamedSetting>& settings,
-                                const Progress& progress, std::vector<TradePoint>& points) {
-  for (const NamedSetting& setting : settings) {
-    auto point = bench.measure(setting, progress);
-    if (point) {
-      points.push_back(std::move(*point));
-    } else if (point.error().kind == ErrorKind::Cancelled) {
-      return fail(point.error());
-    }
-  }
-  return {};
-}
-
 std::vector<Growth> growthOf(const std::vector<TradePoint>& points, Bench& bench) {
   std::vector<double> resolution, shell, tests[2], time[2], bytes, build;
   for (const TradePoint& point : points) {
@@ -137,14 +123,21 @@ std::vector<Growth> growthOf(const std::vector<TradePoint>& points, Bench& bench
           fitGrowth("tests of a query", "contacts", queries.contacts, queries.tests)};
 }
 
+/// Thin labels have no voxel left where many are joined: such a setting cannot be built.
+enum class Unbuildable : std::uint8_t { Refuse, LeaveOut };
+
 Result<void> measureAll(Bench& bench, const std::vector<NamedSetting>& settings,
-                        const Progress& progress, std::vector<TradePoint>& points) {
+                        const Progress& progress, std::vector<TradePoint>& points,
+                        Unbuildable unbuildable = Unbuildable::Refuse) {
   for (std::size_t i = 0; i < settings.size(); ++i) {
     progress(static_cast<double>(i) / static_cast<double>(settings.size()),
              "Measuring " + settings[i].name);
     auto point = bench.measure(settings[i], progress);
-    if (!point) return fail(point.error());
-    points.push_back(std::move(*point));
+    if (point) {
+      points.push_back(std::move(*point));
+    } else if (unbuildable == Unbuildable::Refuse || point.error().kind == ErrorKind::Cancelled) {
+      return fail(point.error());
+    }
   }
   return {};
 }
@@ -187,7 +180,9 @@ Result<TradeSweep> sweepTrade(const PreparedScene& base, const TradeRequest& req
     }
     std::vector<TradePoint> grown = sweep.points;
     const auto steps = forGrowth(own, bench->variants().spacingOf(own));
-    if (auto done = measureWhatIsThere(*bench, steps, shareOf(progress, 0.95, 1.0), grown); !done) {
+    if (auto done =
+            measureAll(*bench, steps, shareOf(progress, 0.95, 1.0), grown, Unbuildable::LeaveOut);
+        !done) {
       return fail(done.error());
     }
     sweep.growth = growthOf(grown, *bench);
